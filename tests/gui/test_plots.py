@@ -137,7 +137,9 @@ def test_a_pause_keeps_the_picture_and_time_to_look_around(filled: PlotsPanel) -
     turn_wheel(filled, 3, -10)
     begin_s, end_s = shown_s(filled)
     assert begin_s < -10 < end_s < 0, "the time at the mouse stays in place"
-    filled.plots["short"].box.translateBy(x=-100.0)
+    box = filled.plots["short"].box
+    box.translateBy(x=-100.0)
+    box.sigRangeChangedManually.emit([True, False])
     assert shown_s(filled)[0] == pytest.approx(-60), "no time before the first is shown"
     QTest.mouseClick(filled.bar.pause, Qt.MouseButton.LeftButton)
     assert shown_s(filled)[1] == 0

@@ -5,9 +5,9 @@ from __future__ import annotations
 import time
 from typing import Final
 
-from PyQt5.QtCore import QBuffer, QRect, QSize, Qt
+from PyQt5.QtCore import QBuffer, QRect, Qt
 from PyQt5.QtGui import QColor, QImage, QImageReader, QPainter, QPaintEvent
-from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QGridLayout, QLabel, QProgressBar, QSizePolicy, QWidget
 
 from beatrix_zenoh.client import CameraImage
 from beatrix_zenoh.contract.names import EYES, SIDES
@@ -20,7 +20,8 @@ from gui.window.widgets.controls import (
     ChoiceCheck,
     ElidedLabel,
     Panel,
-    filled,
+    in_column,
+    in_row,
     label,
     set_role,
     set_text,
@@ -37,23 +38,21 @@ class LevelsPanel(Panel):
     def __init__(self, texts: Texts) -> None:
         super().__init__()
         self.box = ChoiceCheck(texts, "microphones")
-        self.box.intent.connect(self.intent)
+        self.reports(self.box)
         self.bars = {(side, ear): QProgressBar() for side in SIDES for ear in (0, 1)}
         self.titles = {side: QLabel() for side in SIDES}
         self.texts = {side: ElidedLabel(least=0) for side in SIDES}
         grid = spaced(QGridLayout(self), 4, NO_MARGINS)
         grid.addWidget(self.box, 0, 0, len(SIDES), 1)
-        for row, side in enumerate(SIDES):
-            grid.addWidget(self.titles[side], row, 1)
-            grid.addWidget(self.texts[side], row, 4)
+        for line, side in enumerate(SIDES):
+            grid.addWidget(self.titles[side], line, 1)
+            grid.addWidget(self.texts[side], line, 4)
         for (side, ear), bar in self.bars.items():
             bar.setProperty("side", side)
             bar.setRange(0, LEVEL_STEPS)
             bar.setTextVisible(False)
             bar.setFixedHeight(LEVEL_PX)
-            bar.setInvertedAppearance(
-                ear == 0
-            )  # both grow from the middle, as the ears are beside each other
+            bar.setInvertedAppearance(ear == 0)  # both grow from the middle
             grid.addWidget(bar, SIDES.index(side), 2 + ear)
         for column, stretch in ((2, 1), (3, 1), (4, 2)):
             grid.setColumnStretch(column, stretch)
@@ -108,13 +107,11 @@ class CameraPicture(QWidget):
         self._image: tuple[CameraImage, QImage | None] | None = None
         self.title, self.age = ElidedLabel(), label(role="warn")
         """the age of the newest picture; empty: it is new"""
-        row = filled(spaced(QHBoxLayout(), None, (6, 2, 6, 2)), (self.title, 1), self.age)
-        filled(spaced(QVBoxLayout(self), 0, NO_MARGINS), row, None)
+        above = in_row((self.title, 1), self.age, margins=(6, 2, 6, 2))
+        in_column(above, None, gap=0, margins=NO_MARGINS, inside=self)
         self.setToolTip(texts("tip.picture"))
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802 - Qt's name
-        return QSize(100, 46)
+        self.setMinimumSize(100, 46)
 
     def show_view(self, view: EyeView) -> None:
         """Show title, text and note; with a text, or if the camera is not watched, remove the picture."""
@@ -180,9 +177,9 @@ class EyesPanel(Panel):
         for (side, eye), picture in self.pictures.items():
             grid.addWidget(picture, SIDES.index(side), EYES.index(eye))
         self.cameras = ChoiceCheck(texts, "cameras")
-        self.cameras.intent.connect(self.intent)
+        self.reports(self.cameras)
         self.sound = LevelsPanel(texts)
-        below = filled(spaced(QHBoxLayout(), 12), self.cameras, (self.sound, 1))
+        below = in_row(self.cameras, (self.sound, 1), gap=12)
         below.setAlignment(self.cameras, Qt.AlignmentFlag.AlignTop)
         grid.addLayout(below, len(SIDES), 0, 1, len(EYES))
 

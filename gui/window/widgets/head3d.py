@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from typing import Final
 
-from PyQt5.QtCore import QPoint, QPointF, QSize, Qt, QTimer, pyqtSignal
+from PyQt5.QtCore import QPoint, QPointF, Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
 
 from beatrix_zenoh.body.scene import Screen, Viewpoint
@@ -51,9 +51,7 @@ class Head3d(TargetWidget):
         self._live.setInterval(LIVE_MS)
         self._live.timeout.connect(lambda: self.intent.emit(LiveHead()))
         self.setMouseTracking(True)
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802 - Qt's name
-        return QSize(160, 130)
+        self.setMinimumSize(160, 130)
 
     @property
     def screen3d(self) -> Screen:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from PyQt5.QtCore import QPointF, QRectF, QSize, Qt, pyqtSignal
+from PyQt5.QtCore import QPointF, QRectF, Qt, pyqtSignal
 from PyQt5.QtGui import QBrush, QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPolygonF
 from PyQt5.QtWidgets import QSizePolicy, QWidget
 
@@ -18,7 +18,6 @@ from gui.window.widgets.controls import named
 from gui.window.widgets.head3d_drag import BEYOND
 from gui.window.widgets.head3d_paint import draw_lines
 
-LEAST_WIDTH, LEAST_HEIGHT = 140, 72
 RING = 0.13
 """Width of the ring, divided by the radius of the pad."""
 KEYS = {
@@ -63,7 +62,6 @@ class TargetWidget(QWidget):
     def show_theme(self, theme: Theme) -> None:
         """Use the colours of a theme."""
         self._style = style_of(theme)
-        self.updateGeometry()
         self.update()
 
     def show_view(self, view: HeadView) -> None:
@@ -104,9 +102,7 @@ class HeadPad(TargetWidget):
         """what the mouse drags: `_turn` or `_tilt`"""
         self._captions = {name: texts(f"label.pad_{name}") for name in CAPTIONS}
         self.setCursor(Qt.CursorShape.CrossCursor)
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802
-        return QSize(LEAST_WIDTH, LEAST_HEIGHT)
+        self.setMinimumSize(140, 72)
 
     # Geometry
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from html import escape
 
-from PyQt5.QtWidgets import QFrame, QVBoxLayout
+from PyQt5.QtWidgets import QFrame
 
 from gui.console.state.intents import Theme
 from gui.console.state.lessons import SYMBOLS, LessonRowView, LessonsView, Progress
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import filled, label, set_text, spaced
+from gui.window.widgets.controls import in_column, label, set_text
 from gui.window.widgets.table import Table, TableRow
 
 COLUMNS = ("seat", "lesson", "progress", "passed")
@@ -39,7 +39,7 @@ class LessonsTable(QFrame):
         self.list.setAlternatingRowColors(True)
         self.empty, self.notice = label(role="dim", wrap=True), label(role="warn", wrap=True)
         # The table needs all of its width.
-        filled(spaced(QVBoxLayout(self), None, (0, 6, 0, 6)), self.notice, (self.list, 1), (self.empty, 1))
+        in_column(self.notice, (self.list, 1), (self.empty, 1), margins=(0, 6, 0, 6), inside=self)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""

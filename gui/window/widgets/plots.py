@@ -6,14 +6,9 @@ import math
 from typing import Final
 
 import pyqtgraph as pg
-from PyQt5.QtCore import QBuffer, QIODevice, QSignalBlocker, Qt
+from PyQt5.QtCore import QBuffer, QIODevice, Qt
 from PyQt5.QtGui import QColor, QResizeEvent, QShowEvent
-from PyQt5.QtWidgets import (
-    QFileDialog,
-    QGridLayout,
-    QVBoxLayout,
-    QWidget,
-)
+from PyQt5.QtWidgets import QFileDialog, QGridLayout, QWidget
 
 from beatrix_zenoh import colours as hues
 from beatrix_zenoh.client import RobotState
@@ -24,9 +19,9 @@ from gui.console.state.intents import Theme
 from gui.console.state.world import World
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import NO_MARGINS, filled, set_text, spaced
+from gui.window.widgets.controls import NO_MARGINS, in_column, set_text, spaced
 from gui.window.widgets.files import FilePanel
-from gui.window.widgets.plot_curves import BOTH, DIFFERENCE, Curves, Name, PlotBar
+from gui.window.widgets.plot_curves import BOTH, DIFFERENCE, Curves, PlotBar
 from gui.window.widgets.plot_samples import (
     SPAN_MAX_S,
     History,
@@ -50,7 +45,7 @@ COLUMNS: Final = (*ARMS, *SLOTS)
 LEAST_DIFFERENCE_DEG: Final = 2.0
 """Smallest range (deg) of the vertical axis of the difference plot."""
 STYLES: Final = (Qt.PenStyle.SolidLine, Qt.PenStyle.DashLine, Qt.PenStyle.DotLine)
-SIGNS: Final = ("—", "– –", "···")
+SIGNS: Final = ("—", "–&nbsp;–", "···")
 """Line styles of the difference, and signs that look like them: short, middle, long arm."""
 LOW: Final = 20
 """Height of the panel, in lines of text, below which the plots stand in two columns."""
@@ -82,38 +77,28 @@ class PlotsPanel(FilePanel):
         self._graphics.setAutoFillBackground(True)
         self.plots = self._made_plots(texts)
         """by arm, slot, and DIFFERENCE; those of the slots are hidden until the user chooses other values"""
-        self._lay_out()
-        self._connect()
-        self._choose()
-        self.show_span(SPAN_S)
-        self.show_theme(Theme.DARK)
-
-    @staticmethod
-    def _made_plots(texts: Texts) -> dict[str, Curves]:
-        sides = (Name("▬", texts("label.hw")), Name("—", texts("label.sim")))
-        unnamed = tuple(name._replace(text="") for name in sides)
-        plots = {
-            arm: Curves(
-                texts,
-                f"<span style='color:{hues.hexadecimal(hues.ARMS[arm])}'>●</span> "
-                + texts(f"label.plot_{arm}"),
-                LEAST_ARM_DEG,
-                sides if arm == ARMS[0] else unnamed,
-            )
-            for arm in ARMS
-        }
-        plots |= {slot: Curves(texts, "", LEAST_VALUE, sides) for slot in SLOTS}
-        arms = [Name(sign, texts(f"arm.{arm}")) for sign, arm in zip(SIGNS, ARMS, strict=True)]
-        return plots | {
-            DIFFERENCE: Curves(texts, f"{texts('label.difference')} (°)", LEAST_DIFFERENCE_DEG, arms)
-        }
-
-    def _lay_out(self) -> None:
-        for curves in self.plots.values():
-            curves.setParent(self._graphics)  # before it is in the grid, a plot must not become a window
         self._grid = spaced(QGridLayout(self._graphics), None, (4, 2, 4, 2))
         self._grid.setVerticalSpacing(0)
-        filled(spaced(QVBoxLayout(self), 0, NO_MARGINS), self.bar, (self._graphics, 1))
+        in_column(self.bar, (self._graphics, 1), gap=0, margins=NO_MARGINS, inside=self)
+        self._connect()
+        self.show_theme(Theme.DARK)
+        self.show_span(SPAN_S)
+
+    def _made_plots(self, texts: Texts) -> dict[str, Curves]:
+        signs = ("▬", "—")
+        sides = [(sign, texts(f"label.{side}")) for sign, side in zip(signs, BOTH, strict=True)]
+        arms = [(sign, texts(f"arm.{arm}")) for sign, arm in zip(SIGNS, ARMS, strict=True)]
+        plots = dict[str, Curves]()
+        for arm in ARMS:  # the first one names the robots
+            dot = f"<span style='color:{hues.hexadecimal(hues.ARMS[arm])}'>●</span>"
+            names = [(sign, "") for sign in signs] if plots else sides
+            title = f"{dot} {texts(f'label.plot_{arm}')}"
+            plots[arm] = Curves(self._graphics, texts, title, LEAST_ARM_DEG, names)
+        for slot in SLOTS:
+            plots[slot] = Curves(self._graphics, texts, "", LEAST_VALUE, sides)
+        title = f"{texts('label.difference')} (°)"
+        plots[DIFFERENCE] = Curves(self._graphics, texts, title, LEAST_DIFFERENCE_DEG, arms)
+        return plots
 
     def _connect(self) -> None:
         for seconds, button in self.bar.spans.items():
@@ -185,16 +170,16 @@ class PlotsPanel(FilePanel):
     def _draw(self) -> None:
         samples = self._samples()
         hw, sim = (samples[side] for side in BOTH)
+        apart = difference(hw, sim)
         for name, curves in self.plots.items():
-            if curves.isHidden():
-                continue
             if name == DIFFERENCE:
-                apart = difference(hw, sim)
-                curves.draw([(apart[:, 0], apart[:, arm]) for arm in range(1, 1 + len(ARMS))])
+                shown = [(apart[:, 0], apart[:, column]) for column in range(1, 1 + len(ARMS))]
             else:
-                curves.draw([(rows[:, 0], rows[:, 1 + COLUMNS.index(name)]) for rows in (hw, sim)])
-        if self._cursor_s is not None:
-            self._read()
+                shown = [(rows[:, 0], rows[:, 1 + COLUMNS.index(name)]) for rows in (hw, sim)]
+            if self._shown(name):
+                curves.draw(shown, self._cursor_s)
+        at_s = self._cursor_s
+        set_text(self.bar.time, "" if at_s is None else self._texts("plot.time", seconds=at_s))
 
     # -- what is shown ------------------------------------------------------------------------------
 
@@ -215,30 +200,22 @@ class PlotsPanel(FilePanel):
             begin_s, end_s = begin_s - end_s, 0.0
         self._begin_s, self._end_s = begin_s, end_s
         for curves in self.plots.values():
-            with QSignalBlocker(curves):
-                curves.show_times(begin_s, end_s)
+            curves.box.setXRange(begin_s, end_s, padding=0.0)
         for seconds, button in self.bar.spans.items():
             button.setChecked(math.isclose(end_s - begin_s, seconds))
         self._point(self._cursor_s)
-        self._draw()
 
     def _point(self, time_s: float | None) -> None:
+        """Show the values at a time (s), if it is shown."""
         inside = time_s is not None and self._begin_s <= time_s <= self._end_s
         self._cursor_s = time_s if inside else None
-        self._read()
-
-    def _read(self) -> None:
-        """Show the values at the cursor."""
-        for curves in self.plots.values():
-            curves.read(self._cursor_s)
-        at_s = self._cursor_s
-        set_text(self.bar.time, "" if at_s is None else self._texts("plot.time", seconds=at_s))
+        self._draw()
 
     def _choose(self) -> None:
-        """Show the chosen plots."""
+        """Show the chosen plots and curves."""
         for slot, value in self._watched.items():
             words = " ".join(self._texts.word(part) for part in (value.group, value.title))
-            self.plots[slot].rename(f"{words} ({value.unit})" if value.unit else words)
+            self.plots[slot].title = f"{words} ({value.unit})" if value.unit else words
         for name, curves in self.plots.items():
             curves.choose([self.bar.chosen(part) for part in (ARMS if name == DIFFERENCE else BOTH)])
             curves.setVisible(self._shown(name))
@@ -289,18 +266,17 @@ class PlotsPanel(FilePanel):
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours of a theme; lines for a projector are wider."""
-        colours = style_of(theme)
-        self._arrange()
-        thin = 3.0 if theme is Theme.PROJECTOR else 1.5
+        colours, thin = style_of(theme), 3.0 if theme is Theme.PROJECTOR else 1.5
         pale = QColor(colours.hw)
         pale.setAlphaF(0.55)
         ground = self._graphics.palette()
         ground.setColor(self._graphics.backgroundRole(), QColor(colours.field))
         self._graphics.setPalette(ground)
-        pens = [pg.mkPen(pale, width=3 * thin), pg.mkPen(colours.sim, width=thin)]
+        sides = [pg.mkPen(pale, width=3 * thin), pg.mkPen(colours.sim, width=thin)]
         arms = [
             pg.mkPen(hues.hexadecimal(hues.ARMS[arm]), width=thin, style=style)
             for arm, style in zip(ARMS, STYLES, strict=True)
         ]
         for name, curves in self.plots.items():
-            curves.show_theme(arms if name == DIFFERENCE else pens, colours)
+            curves.show_theme(arms if name == DIFFERENCE else sides, colours)
+        self._choose()

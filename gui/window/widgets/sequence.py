@@ -2,19 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from PyQt5.QtCore import QSignalBlocker
-from PyQt5.QtWidgets import (
-    QAction,
-    QFileDialog,
-    QGridLayout,
-    QHBoxLayout,
-    QLineEdit,
-    QMenu,
-    QPushButton,
-    QSizePolicy,
-)
+from PyQt5.QtWidgets import QAction, QFileDialog, QGridLayout, QLineEdit, QMenu, QSizePolicy
 
 from beatrix_zenoh import files
 from beatrix_zenoh.contract.errors import WrongUsage
@@ -23,6 +15,7 @@ from gui.console.state.intents import (
     AimHead,
     DeletePose,
     DuplicatePose,
+    Intent,
     MovePose,
     OpenSequence,
     RenamePose,
@@ -34,7 +27,7 @@ from gui.console.state.intents import (
 from gui.console.state.saved import DURATION_MAX_S
 from gui.console.state.views import CardView, SequenceView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import ChoiceCheck, IntentButton, filled, plain_button, spaced
+from gui.window.widgets.controls import ChoiceCheck, in_row, named, plain_button, spaced
 from gui.window.widgets.files import FilePanel
 from gui.window.widgets.number_box import NumberBox
 from gui.window.widgets.strip import Strip
@@ -52,76 +45,68 @@ class SequencePanel(FilePanel):
         self._shown: tuple[str, float] | None = None
         """the selected pose that the number box shows, and its duration (s)"""
         self.strip = Strip(texts("label.sequence"), texts("label.sequence_empty"))
-        self.name = QLineEdit()
+        self.name = named(QLineEdit(), texts("label.pose_name"), texts("tip.pose_name"))
         self.name.setMaxLength(NAME_LONGEST)
         self.name.setPlaceholderText(texts("label.pose_name"))
-        self.name.setAccessibleName(texts("label.pose_name"))
-        self.name.setToolTip(texts("tip.pose_name"))
-        self.duration = NumberBox(texts, texts("label.lead_unit"), 0.1)
+        self.name.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)  # cards need the width
+        box = NumberBox(texts, texts("label.lead_unit"), 0.1)
+        self.duration = named(box, texts("label.duration"), texts("tip.duration"))
         self.duration.setMaximum(DURATION_MAX_S)
         self.duration.setSingleStep(0.5)
-        self.duration.setAccessibleName(texts("label.duration"))
-        self.duration.setToolTip(texts("tip.duration"))
-        self.add, self.play, self.hardware = IntentButton(), IntentButton(main=True), IntentButton()
-        self.delete, self.more = self._button("delete"), self._button("more")
+        self.add, self.play, self.hardware = self.button(), self.button(main=True), self.button()
+        self.delete, self.more = (
+            plain_button(texts(f"sequence.{name}"), texts(f"sequence.{name}_tip"))
+            for name in ("delete", "more")
+        )
         self.loop = ChoiceCheck(texts, "loop")
         self.entries: dict[str, QAction] = {}
         """entries of the menu More"""
-        self._lay_out()
-        self._connect()
-
-    def _button(self, name: str) -> QPushButton:
-        return plain_button(self._texts(f"sequence.{name}"), self._texts(f"sequence.{name}_tip"))
-
-    def _lay_out(self) -> None:
-        self.name.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)  # cards need the width
+        pairs = (
+            (self.name, self.duration),
+            (self.add, self.delete),
+            (self.loop, self.more),
+            (self.play, self.hardware),
+        )
         grid = spaced(QGridLayout(), 3)
         grid.setColumnMinimumWidth(0, NAME_PX)
-        for row, pair in enumerate(
-            (
-                (self.name, self.duration),
-                (self.add, self.delete),
-                (self.loop, self.more),
-                (self.play, self.hardware),
-            )
-        ):
-            for column, part in enumerate(pair):
-                grid.addWidget(part, row, column)
-        filled(spaced(QHBoxLayout(self), 6, (4, 4, 4, 4)), (self.strip, 1), grid)
+        for line, (left, right) in enumerate(pairs):
+            grid.addWidget(left, line, 0)
+            grid.addWidget(right, line, 1)
+        in_row((self.strip, 1), grid, gap=6, margins=(4, 4, 4, 4), inside=self)
+        self._connect()
 
     def _connect(self) -> None:
-        for button in (self.add, self.play, self.hardware):
-            button.intent.connect(self.intent)
-        self.loop.intent.connect(self.intent)
+        self.reports(self.loop)
         self.delete.clicked.connect(lambda: self._about(DeletePose))
         self.strip.currentRowChanged.connect(self._show_chosen)
         self.strip.used.connect(self._aim)
-        self.strip.moved.connect(self._move)
+        self.strip.moved.connect(
+            lambda number, to: self.intent.emit(MovePose(self.strip.cards[number].name, to))
+        )
         self.strip.deleted.connect(lambda: self._about(DeletePose))
         self.duration.valueChanged.connect(self._report_duration)
         self.name.editingFinished.connect(self._rename)
-        for name, do in (
-            ("duplicate", lambda: self._about(DuplicatePose)),
-            ("undo", lambda: self.intent.emit(UndoSequence())),
-        ):
-            entry = self.entries[name] = QAction(self._texts(f"sequence.{name}"), self)
-            entry.triggered.connect(do)
-        save = QFileDialog.AcceptMode.AcceptSave
-        for name, mode, suffix, made in (
-            ("open", QFileDialog.AcceptMode.AcceptOpen, "csv", _opened),
-            ("save_file", save, "csv", SaveSequence),
-            ("save_program", save, "py", lambda file: SaveSequence(file, program=True)),
-            ("play_file", QFileDialog.AcceptMode.AcceptOpen, "csv", lambda file: Play(NEW, (), file)),
-        ):
-            entry = self.entries[name] = QAction(self._texts(f"sequence.{name}"), self)
-            entry.triggered.connect(
-                lambda _checked, name=name, mode=mode, suffix=suffix, made=made: self.choose_file(
-                    self._texts(f"sequence.{name}"), mode, suffix, made
-                )
-            )
+        self._add_entry("duplicate", lambda: self._about(DuplicatePose))
+        self._add_entry("undo", lambda: self.intent.emit(UndoSequence()))
+        opens, saves = QFileDialog.AcceptMode.AcceptOpen, QFileDialog.AcceptMode.AcceptSave
+        self._add_file("open", opens, "csv", _opened)
+        self._add_file("save_file", saves, "csv", SaveSequence)
+        self._add_file("save_program", saves, "py", lambda file: SaveSequence(file, program=True))
+        self._add_file("play_file", opens, "csv", lambda file: Play(NEW, (), file))
         menu = QMenu(self.more)
         menu.addActions(self.entries.values())
         self.more.setMenu(menu)
+
+    def _add_entry(self, name: str, do: Callable[[], None]) -> None:
+        entry = self.entries[name] = QAction(self._texts(f"sequence.{name}"), self)
+        entry.triggered.connect(do)
+
+    def _add_file(
+        self, name: str, mode: QFileDialog.AcceptMode, suffix: str, made: Callable[[Path], Intent]
+    ) -> None:
+        """Add an entry that asks for a file, and reports the intent made of it."""
+        title = self._texts(f"sequence.{name}")
+        self._add_entry(name, lambda: self.choose_file(title, mode, suffix, made))
 
     # -- what it shows ------------------------------------------------------------------------------
 
@@ -141,16 +126,13 @@ class SequencePanel(FilePanel):
     def _selection(self, before: SequenceView | None, view: SequenceView) -> int:
         """Return the card to select: a new one, else the same, else the one at its place."""
         names = [card.name for card in view.cards]
-        if before is None:
-            return 0 if names else -1
-        known = [card.name for card in before.cards]
-        new = [number for number, name in enumerate(names) if name not in known]
+        known = names[1:] if before is None else [card.name for card in before.cards]
+        new, chosen = [name for name in names if name not in known], self._chosen()
         if len(new) == 1:
-            return new[0]
-        chosen = self._chosen()
+            return names.index(new[0])
         if chosen is not None and chosen.name in names:
             return names.index(chosen.name)
-        return max(0, min(self.strip.currentRow(), len(names) - 1)) if names else -1
+        return min(max(0, self.strip.currentRow()), len(names) - 1)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
@@ -187,9 +169,6 @@ class SequencePanel(FilePanel):
         head = self.strip.cards[number].head
         if head is not None:
             self.intent.emit(AimHead(head.yaw, head.pitch, head.roll))
-
-    def _move(self, number: int, to: int) -> None:
-        self.intent.emit(MovePose(self.strip.cards[number].name, to))
 
     def _report_duration(self, seconds: float) -> None:
         card = self._chosen()
