@@ -64,7 +64,7 @@ def test_a_drag_stays_within_yaw_and_lean_and_back_is_where_it_began(
 ) -> None:
     start = HeadOrientation(round(yaw, 1), round(pitch / 2, 1), round(roll / 2, 1))
     for part in Part:
-        drag = Drag.begin(screen("front"), start, part, 300.0, 200.0)
+        drag = Drag(screen("front"), start, part, 300.0, 200.0)
         at = drag.at(300.0 + across, 200.0 - up, 42.0, 180.0)
         assert abs(at.yaw) <= 180.0
         assert math.hypot(at.pitch, at.roll) <= 42.2

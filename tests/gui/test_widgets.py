@@ -40,8 +40,8 @@ from gui.console.state.intents import (
     Undo,
 )
 from gui.console.state.views import ButtonView, RecordView
+from gui.window.widgets.head import HeadPad
 from gui.window.widgets.head3d_drag import EARS, SKULL, on_screen
-from gui.window.widgets.head_pad import HeadPad
 from gui.window.window import Window
 
 Taken = Callable[[], list[Intent]]

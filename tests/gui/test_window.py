@@ -21,8 +21,8 @@ from gui.console.state.actions import ChooseRobot
 from gui.console.state.intents import Choose, Intent, Jog, Stop, Theme
 from gui.window.run import Bridge, errors_shown
 from gui.window.theme import style_of
+from gui.window.widgets.head import HeadPad
 from gui.window.widgets.head3d import Head3d
-from gui.window.widgets.head_pad import HeadPad
 from gui.window.widgets.header import ROBOT_PX
 from gui.window.window import Window
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QSignalBlocker, Qt, QTimer, pyqtSignal
+from PyQt5.QtCore import QSignalBlocker, QTimer, pyqtSignal
 from PyQt5.QtGui import QResizeEvent
-from PyQt5.QtWidgets import QComboBox, QLineEdit, QTabWidget, QWidget
+from PyQt5.QtWidgets import QLineEdit, QTabWidget, QWidget
 
 from gui.console.state.intents import LimitClass, Theme
 from gui.console.state.views import ClassRowView, ClassView, SeatView
@@ -13,6 +13,7 @@ from gui.window.theme import style_of
 from gui.window.widgets.controls import (
     NO_MARGINS,
     IntentButton,
+    NameBox,
     Panel,
     Part,
     in_column,
@@ -22,8 +23,7 @@ from gui.window.widgets.controls import (
     set_role,
     set_text,
 )
-from gui.window.widgets.lessons import LessonsTable
-from gui.window.widgets.table import Table, TableRow
+from gui.window.widgets.table import LessonsTable, Table, TableRow
 
 COLUMNS = ("robot", "side", "state", "driver", "turn", "waiting", "rate", "age", "remarks")
 STATE = COLUMNS.index("state")
@@ -36,8 +36,6 @@ LARGE = ("robot", "side", "state", "driver", "turn", "waiting")
 """Columns in large type, for a projector."""
 LARGE_WIDTH, LARGE_LINE, LARGEST = 60, 1.7, 16
 """Width of the page, height of a row, and height of the page, all in heights of the large type."""
-NAMES_PX = 240
-"""Least width (px) of its list, at scale 1, which shows whole names."""
 
 
 class ClassPage(Panel):
@@ -66,10 +64,10 @@ class ClassPage(Panel):
         self.freeze, self.take, self.show_robot = self.button(), self.button(), self.button()
         self.seat_label, self.seats, self.mute = (
             label(texts("label.class_seat"), "title"),
-            QComboBox(),
+            NameBox(),
             self.button(),
         )
-        self.seats.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
+        self.seats.setSizeAdjustPolicy(NameBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
         self.seats.setMinimumContentsLength(10)
         self.seats.setAccessibleName(self.seat_label.text())
         self.seats.currentIndexChanged.connect(lambda *_: self._show_seat())
@@ -114,10 +112,6 @@ class ClassPage(Panel):
         """Use the colours and sizes of a theme."""
         self._style = style_of(theme)
         self.limit.setFixedWidth(self._style.px(LIMIT_PX))
-        names = self.seats.view()
-        if names is not None:
-            names.setMinimumWidth(self._style.px(NAMES_PX))
-            names.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAsNeeded)
         self.lessons.show_theme(theme)
         if self._view is not None:
             self._show_rows(self._view.rows)

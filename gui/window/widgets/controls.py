@@ -10,6 +10,7 @@ from PyQt5.QtGui import QFocusEvent, QHideEvent, QPainter, QPaintEvent
 from PyQt5.QtWidgets import (
     QBoxLayout,
     QCheckBox,
+    QComboBox,
     QFrame,
     QHBoxLayout,
     QLabel,
@@ -80,7 +81,7 @@ def in_column(
 
 
 def named(control: W, name: str, tooltip: str) -> W:
-    """Return the control, with a name for screen readers and a tooltip."""
+    """Return the control, with a name and a tooltip; screen readers say both."""
     control.setAccessibleName(name)
     control.setToolTip(tooltip)
     return control
@@ -115,7 +116,7 @@ class IntentButton(QPushButton):
         """
         if view is not None and view != self._view:
             self._view = view
-            named(self, f"{about} {view.text}".lstrip(), view.tooltip).setAccessibleDescription(view.tooltip)
+            named(self, f"{about} {view.text}".lstrip(), view.tooltip)
             self.setEnabled(view.enabled)
             self._show_text()
         self.setVisible(view is not None)
@@ -245,11 +246,22 @@ class ChoiceCheck(QCheckBox):
     def __init__(self, texts: Texts, name: str) -> None:
         super().__init__(texts(f"label.{name}"))
         self.name = name
-        named(self, self.text(), texts(f"tip.{name}")).setAccessibleDescription(self.toolTip())
+        named(self, self.text(), texts(f"tip.{name}"))
         self.clicked.connect(lambda: self.intent.emit(Choose(name, value=not self.isChecked())))
 
     def nextCheckState(self) -> None:  # noqa: N802
         """Keep the state until the view changes it."""
+
+
+class NameBox(QComboBox):
+    """A choice of names; its list is as wide as the style sheet says, and scrolls."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.view().setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAsNeeded)
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802 - Qt's own remains that of longer names that were shown before
+        return self.sizeHint()
 
 
 class SliderBox(QWidget):

@@ -10,13 +10,13 @@ from PyQt5.QtCore import QPoint, QPointF, Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
 
 from beatrix_zenoh.body.scene import Screen, Viewpoint
-from gui.console.state.intents import GrabHead, HeadOrientation, LiveHead, ReleaseHead, Theme
+from gui.console.state.intents import GrabHead, LiveHead, ReleaseHead, Theme
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
 from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, in_column, in_row, plain_button
+from gui.window.widgets.head import TargetWidget
 from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, grabbed
 from gui.window.widgets.head3d_paint import GHOST, Marks, apart, draw_lines, ghost, robot
-from gui.window.widgets.head_pad import TargetWidget
 
 VIEWS: Final = {"front": Viewpoint(0.0), "behind": Viewpoint(180.0), "side": Viewpoint(90.0)}
 HALF_WIDTH: Final = 0.14
@@ -83,7 +83,7 @@ class Head3d(TargetWidget):
         if event.button() == Qt.MouseButton.LeftButton and view is not None:
             part = grabbed(self.screen3d, view, at.x(), at.y())
         if part is not None and view is not None:
-            self._drag = Drag.begin(self.screen3d, view.target, part, at.x(), at.y())
+            self._drag = Drag(self.screen3d, view.target, part, at.x(), at.y())
             self.setCursor(Qt.CursorShape.ClosedHandCursor)
             self.intent.emit(GrabHead())
             self.update()
@@ -129,10 +129,6 @@ class Head3d(TargetWidget):
         zoom = self.camera.zoom * ZOOM_STEP ** (event.angleDelta().y() / 120)
         self.look_from(replace(self.camera, zoom=max(LEAST_ZOOM, min(MOST_ZOOM, zoom))))
         event.accept()
-
-    def _report(self, target: HeadOrientation) -> None:
-        if self._view is None or target != self._view.target:
-            super()._report(target)
 
     def _hover(self, part: Part | None) -> None:
         if part is not self._over:

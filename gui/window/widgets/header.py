@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QPoint, QSignalBlocker, QSize, Qt, pyqtSignal
+from PyQt5.QtCore import QPoint, QSignalBlocker, Qt, pyqtSignal
 from PyQt5.QtGui import QKeyEvent
 from PyQt5.QtWidgets import (
     QAbstractButton,
     QAction,
     QActionGroup,
-    QComboBox,
     QLayout,
     QMenu,
     QSizePolicy,
@@ -27,6 +26,7 @@ from gui.window.widgets.controls import (
     SEPARATOR,
     ElidedLabel,
     IntentButton,
+    NameBox,
     Panel,
     in_column,
     in_row,
@@ -104,13 +104,6 @@ LONGEST = "■ 88:88"
 """A duration of a recording."""
 
 
-class Names(QComboBox):
-    """The names of the robots."""
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802 - Qt's own remains that of longer names that were shown before
-        return self.sizeHint()
-
-
 class RecordButtons(Panel):
     """The buttons that open the last recording, and begin and end one."""
 
@@ -169,8 +162,7 @@ class Pill(Panel):
         set_text(self.notes, SEPARATOR.join(filter(None, (*view.notes, view.latency))))
         set_text(self.reason, " ".join(line for line in (view.reason, *view.warnings) if line))
         lines = [view.reason, *view.warnings, SEPARATOR.join(view.notes), view.details]
-        details = "\n".join(line for line in lines if line)
-        named(self, f"{view.title}: {view.text}", details).setAccessibleDescription(details)
+        named(self, f"{view.title}: {view.text}", "\n".join(line for line in lines if line))
         buttons = [(self.next_step, view.next_step), (self.lease, view.lease)]
         # The hidden one first, so that the window never needs the width of both.
         for button, shown in sorted(buttons, key=lambda pair: pair[1] is not None):
@@ -187,8 +179,8 @@ class Header(Panel):
         super().__init__()
         self._robots: tuple[str, ...] = ()
         self._tip = texts("tip.robot")
-        self.robots = named(Names(), texts("label.robot"), self._tip)
-        self.robots.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
+        self.robots = named(NameBox(), texts("label.robot"), self._tip)
+        self.robots.setSizeAdjustPolicy(NameBox.SizeAdjustPolicy.AdjustToContents)
         self.robots.setMinimumWidth(70)
         self.robots.setMaximumWidth(ROBOT_PX)
         self.robots.setMaxVisibleItems(ROBOTS_SHOWN)
@@ -241,10 +233,6 @@ class Header(Panel):
                 self._robots = robots
                 self.robots.clear()
                 self.robots.addItems(list(robots))
-                if (names := self.robots.view()) is not None:
-                    widest = max(map(self.robots.fontMetrics().horizontalAdvance, robots))
-                    names.setMinimumWidth(widest + MORE_PX)
-                    names.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAsNeeded)
             if self.robots.currentText() != view.robot:
                 self.robots.setCurrentText(view.robot)
         self.robots.setToolTip(f"{view.robot}\n{self._tip}")

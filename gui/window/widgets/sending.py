@@ -162,7 +162,7 @@ class StopBar(QPushButton):
         # On the page of the robot it is in the menus of the pills.
         self.emergency.show_view(view.emergency if view.choices.page is WindowPage.CLASS else None)
         set_text(self.word, stop.text)
-        named(self, stop.text, stop.tooltip).setAccessibleDescription(stop.tooltip)
+        named(self, stop.text, stop.tooltip)
 
     def stop(self) -> None:
         """Report the intent."""

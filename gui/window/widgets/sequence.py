@@ -5,35 +5,168 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from PyQt5.QtCore import QSignalBlocker
-from PyQt5.QtWidgets import QAction, QFileDialog, QGridLayout, QLineEdit, QMenu, QSizePolicy
+from PyQt5.QtCore import QPoint, QRect, QSignalBlocker, QSize, Qt, pyqtSignal
+from PyQt5.QtGui import QColor, QIcon, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QPixmap
+from PyQt5.QtWidgets import (
+    QAction,
+    QApplication,
+    QFileDialog,
+    QGridLayout,
+    QLineEdit,
+    QListWidget,
+    QListWidgetItem,
+    QMenu,
+    QSizePolicy,
+)
 
 from beatrix_zenoh import files
 from beatrix_zenoh.contract.errors import WrongUsage
+from gui.console.state import intents
 from gui.console.state.actions import LARGEST_BYTES, NEW, Play
-from gui.console.state.intents import (
-    AimHead,
-    DeletePose,
-    DuplicatePose,
-    Intent,
-    MovePose,
-    OpenSequence,
-    RenamePose,
-    SaveSequence,
-    SetDuration,
-    Theme,
-    UndoSequence,
-)
+from gui.console.state.intents import HeadOrientation, Intent, Theme
 from gui.console.state.saved import DURATION_MAX_S
 from gui.console.state.views import CardView, SequenceView
 from gui.console.texts import Texts
+from gui.window.theme import style_of
 from gui.window.widgets.controls import ChoiceCheck, in_row, named, plain_button, spaced
 from gui.window.widgets.files import FilePanel
+from gui.window.widgets.head3d_paint import portrait
 from gui.window.widgets.number_box import NumberBox
-from gui.window.widgets.strip import Strip
 
 NAME_LONGEST = 24
 NAME_PX = 90
+
+
+WIDTH_PX, HEIGHT_PX, PICTURE_PX = 70, 92, 48
+"""Size of a card, and side of its picture, at scale 1."""
+
+
+class Strip(QListWidget):
+    """Cards to select, to drag to another place, and to use with the keyboard."""
+
+    used = pyqtSignal(int)
+    """a click or Enter on this card"""
+    moved = pyqtSignal(int, int)
+    """a card, and its new place counted without it"""
+    deleted = pyqtSignal(int)
+
+    def __init__(self, name: str, empty: str) -> None:
+        """Create an empty strip; `empty` is its text while it has no card."""
+        super().__init__()
+        self._empty = empty
+        self.setAccessibleName(name)
+        self.setViewMode(QListWidget.ViewMode.IconMode)
+        self.setMovement(QListWidget.Movement.Static)
+        self.setWrapping(False)
+        self.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setMinimumWidth(80)
+        self.cards: tuple[CardView, ...] = ()
+        self._played = -1
+        self._style = style_of(Theme.DARK)
+        self._pressed: QPoint | None = None
+        self._drop: int | None = None
+        """while a card is dragged: its place counted without it"""
+
+    def show_cards(self, cards: tuple[CardView, ...], current: int, played: int = -1) -> None:
+        """Show the cards; numbers of the selected one and of the one that is being played (-1: none)."""
+        with QSignalBlocker(self):
+            if (cards, played) != (self.cards, self._played):
+                self.cards, self._played = cards, played
+                self._fill()
+            self.setCurrentRow(current)
+        self.scrollTo(self.model().index(played if played >= 0 else current, 0))
+
+    def show_theme(self, theme: Theme) -> None:
+        """Use the colours and sizes of a theme."""
+        current, self._style = self.currentRow(), style_of(theme)
+        self.setGridSize(QSize(self._style.px(WIDTH_PX), self._style.px(HEIGHT_PX)))
+        self.setIconSize(QSize(self._style.px(PICTURE_PX), self._style.px(PICTURE_PX)))
+        with QSignalBlocker(self):
+            self._fill()
+            self.setCurrentRow(current)
+
+    def _fill(self) -> None:
+        self._pressed, self._drop = None, None
+        self.clear()
+        for number, card in enumerate(self.cards):
+            mark = "▸" if number == self._played else ""
+            item = QListWidgetItem(self._icon(card), f"{mark}{card.name}\n{card.duration}")
+            item.setToolTip("\n".join(filter(None, (f"{card.name}, {card.duration}", card.problem))))
+            if card.problem:
+                item.setForeground(QColor(self._style.bad))
+            self.addItem(item)
+
+    def _icon(self, card: CardView) -> QIcon:
+        if card.head is None:
+            return QIcon()
+        head = HeadOrientation(*card.head.tenths)
+        picture = QPixmap.fromImage(portrait(head, self._style.px(PICTURE_PX), self.devicePixelRatioF()))
+        icon = QIcon(picture)
+        icon.addPixmap(picture, QIcon.Mode.Selected)  # Qt would tint it
+        return icon
+
+    def card(self, number: int) -> QRect:
+        """Return the place of a card (px)."""
+        return self.visualRect(self.model().index(number, 0))
+
+    # -- mouse --------------------------------------------------------------------------------------
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802
+        super().mousePressEvent(event)
+        if event.button() == Qt.MouseButton.LeftButton and self.indexAt(event.pos()).isValid():
+            self._pressed = event.pos()
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:  # noqa: N802
+        if self._pressed is None:
+            return
+        x = event.pos().x()
+        if abs(x - self._pressed.x()) >= QApplication.startDragDistance() or self._drop is not None:
+            others = (self.card(number) for number in range(len(self.cards)) if number != self.currentRow())
+            self._drop = sum(other.center().x() < x for other in others)
+            self.viewport().update()
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:  # noqa: N802
+        pressed, drop, self._pressed, self._drop = self._pressed, self._drop, None, None
+        if event.button() != Qt.MouseButton.LeftButton or pressed is None:
+            return
+        self.viewport().update()
+        if drop is None:
+            self.used.emit(self.currentRow())
+        elif drop != self.currentRow():
+            self.moved.emit(self.currentRow(), drop)
+
+    # -- keyboard -----------------------------------------------------------------------------------
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802
+        """Move with Ctrl and the arrows, use with Enter, delete with Delete; the list selects with the arrows."""
+        ways = {Qt.Key.Key_Left: -1, Qt.Key.Key_Right: 1}
+        key, number = event.key(), self.currentRow()
+        if key in ways and event.modifiers() & Qt.KeyboardModifier.ControlModifier:
+            goal = number + ways[Qt.Key(key)]
+            if number >= 0 and 0 <= goal < len(self.cards):
+                self.moved.emit(number, goal)
+        elif number >= 0 and key in {Qt.Key.Key_Return, Qt.Key.Key_Enter}:
+            self.used.emit(number)
+        elif number >= 0 and key in {Qt.Key.Key_Delete, Qt.Key.Key_Backspace}:
+            self.deleted.emit(number)
+        else:
+            super().keyPressEvent(event)
+
+    # -- drawing ------------------------------------------------------------------------------------
+
+    def paintEvent(self, event: QPaintEvent) -> None:  # noqa: N802
+        """Draw the cards, the text without cards, and where a dragged card would be put."""
+        super().paintEvent(event)
+        painter = QPainter(self.viewport())
+        if not self.cards:
+            painter.setPen(QColor(self._style.dim))
+            flags = int(Qt.AlignmentFlag.AlignVCenter) | int(Qt.TextFlag.TextWordWrap)
+            painter.drawText(self.viewport().rect().adjusted(4, 4, -4, -4), flags, self._empty)
+        if self._drop is not None:
+            before = self._drop + (self._drop > self.currentRow())
+            x = self.card(before).left() if before < len(self.cards) else self.card(before - 1).right()
+            painter.setPen(QPen(QColor(self._style.accent), 3))
+            painter.drawLine(x, 2, x, self.height() - 2)
 
 
 class SequencePanel(FilePanel):
@@ -77,21 +210,21 @@ class SequencePanel(FilePanel):
 
     def _connect(self) -> None:
         self.reports(self.loop)
-        self.delete.clicked.connect(lambda: self._about(DeletePose))
+        self.delete.clicked.connect(lambda: self._about(intents.DeletePose))
         self.strip.currentRowChanged.connect(self._show_chosen)
         self.strip.used.connect(self._aim)
         self.strip.moved.connect(
-            lambda number, to: self.intent.emit(MovePose(self.strip.cards[number].name, to))
+            lambda number, to: self.intent.emit(intents.MovePose(self.strip.cards[number].name, to))
         )
-        self.strip.deleted.connect(lambda: self._about(DeletePose))
+        self.strip.deleted.connect(lambda: self._about(intents.DeletePose))
         self.duration.valueChanged.connect(self._report_duration)
         self.name.editingFinished.connect(self._rename)
-        self._add_entry("duplicate", lambda: self._about(DuplicatePose))
-        self._add_entry("undo", lambda: self.intent.emit(UndoSequence()))
+        self._add_entry("duplicate", lambda: self._about(intents.DuplicatePose))
+        self._add_entry("undo", lambda: self.intent.emit(intents.UndoSequence()))
         opens, saves = QFileDialog.AcceptMode.AcceptOpen, QFileDialog.AcceptMode.AcceptSave
         self._add_file("open", opens, "csv", _opened)
-        self._add_file("save_file", saves, "csv", SaveSequence)
-        self._add_file("save_program", saves, "py", lambda file: SaveSequence(file, program=True))
+        self._add_file("save_file", saves, "csv", intents.SaveSequence)
+        self._add_file("save_program", saves, "py", lambda file: intents.SaveSequence(file, program=True))
         self._add_file("play_file", opens, "csv", lambda file: Play(NEW, (), file))
         menu = QMenu(self.more)
         menu.addActions(self.entries.values())
@@ -159,7 +292,7 @@ class SequencePanel(FilePanel):
 
     # -- what the user does -------------------------------------------------------------------------
 
-    def _about(self, kind: type[DuplicatePose | DeletePose]) -> None:
+    def _about(self, kind: type[intents.DuplicatePose | intents.DeletePose]) -> None:
         card = self._chosen()
         if card is not None:
             self.intent.emit(kind(card.name))
@@ -168,25 +301,25 @@ class SequencePanel(FilePanel):
         """Make a pose the target of the pad; nothing is sent."""
         head = self.strip.cards[number].head
         if head is not None:
-            self.intent.emit(AimHead(head.yaw, head.pitch, head.roll))
+            self.intent.emit(intents.AimHead(head.yaw, head.pitch, head.roll))
 
     def _report_duration(self, seconds: float) -> None:
         card = self._chosen()
         if card is not None:
-            self.intent.emit(SetDuration(card.name, seconds))
+            self.intent.emit(intents.SetDuration(card.name, seconds))
 
     def _rename(self) -> None:
         card, name = self._chosen(), self.name.text()
         self.name.setModified(False)
         if card is not None and name and name != card.name:
-            self.intent.emit(RenamePose(card.name, name))
+            self.intent.emit(intents.RenamePose(card.name, name))
 
 
-def _opened(file: Path) -> OpenSequence:
+def _opened(file: Path) -> intents.OpenSequence:
     """Read a choreography; a file that cannot be read is reported in the intent."""
     try:
-        return OpenSequence(file, files.text(file, LARGEST_BYTES, "CSV"))
+        return intents.OpenSequence(file, files.text(file, LARGEST_BYTES, "CSV"))
     except OSError as error:
-        return OpenSequence(file, "", error.strerror or str(error))
+        return intents.OpenSequence(file, "", error.strerror or str(error))
     except WrongUsage as error:
-        return OpenSequence(file, "", error.message.removesuffix("."))
+        return intents.OpenSequence(file, "", error.message.removesuffix("."))
