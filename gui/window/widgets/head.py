@@ -15,7 +15,7 @@ from gui.console.state.views import HeadView
 from gui.console.texts import Texts
 from gui.window.theme import Style, style_of
 from gui.window.widgets.controls import Panel, in_column, label, named, set_text, spaced
-from gui.window.widgets.head3d_drag import BEYOND
+from gui.window.widgets.head3d_drag import BEYOND, furthest
 from gui.window.widgets.head3d_paint import draw_lines
 
 RING = 0.13
@@ -32,6 +32,7 @@ KEYS = {
 COARSE_DEG = 5.0
 """The step with Shift."""
 LINE_PX = 14
+"""Height of a line of the captions at scale 1."""
 UP, DOWN = Qt.AlignmentFlag.AlignTop, Qt.AlignmentFlag.AlignBottom
 LEFT, RIGHT, MIDDLE = Qt.AlignmentFlag.AlignLeft, Qt.AlignmentFlag.AlignRight, Qt.AlignmentFlag.AlignHCenter
 CAPTIONS = {
@@ -120,17 +121,12 @@ class HeadPad(TargetWidget):
 
     @property
     def _outer(self) -> float:
-        return min(self.width(), self.height() - 2 * self._line) / 2 - 6
+        return min(self.width(), self.height() - 2 * self._style.px(LINE_PX)) / 2 - 6
 
     @property
     def _mark(self) -> float:
         """Half the width of the mark of the hardware (px); the others are larger."""
         return max(3.0, self._disc * 0.075)
-
-    @property
-    def _line(self) -> float:
-        """Height of a line of the captions (px)."""
-        return self._style.px(LINE_PX)
 
     @property
     def _disc(self) -> float:
@@ -147,14 +143,9 @@ class HeadPad(TargetWidget):
     def border(self) -> QPolygonF:
         """The orientations in which the head may rest, on the disc."""
         view = self._view
-        if view is None:
-            return QPolygonF()
-        leans, points = view.drag.border, []
-        for k, lean in enumerate(leans):
-            turn = math.tau * k / len(leans)
-            at = HeadOrientation(0.0, lean * math.sin(turn), lean * math.cos(turn))
-            points.append(self.tilt_point(at, view.tilt_max))
-        return QPolygonF(points)
+        return QPolygonF(
+            [] if view is None else [self.tilt_point(at, view.tilt_max) for at in furthest(view)]
+        )
 
     def yaw_point(self, yaw: float) -> QPointF:
         """Return the point of a yaw (deg) on the ring: 0 is up, left is left."""

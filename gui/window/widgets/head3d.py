@@ -8,12 +8,22 @@ from typing import Final
 
 from PyQt5.QtCore import QPoint, QPointF, Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
+from PyQt5.QtWidgets import QLabel
 
 from beatrix_zenoh.body.scene import Screen, Viewpoint
 from gui.console.state.intents import GrabHead, LiveHead, ReleaseHead, Theme
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, in_column, in_row, plain_button
+from gui.window.widgets.controls import (
+    NO_MARGINS,
+    ChoiceCheck,
+    Panel,
+    in_column,
+    in_row,
+    label,
+    plain_button,
+    set_text,
+)
 from gui.window.widgets.head import TargetWidget
 from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, grabbed
 from gui.window.widgets.head3d_paint import GHOST, Marks, apart, draw_lines, ghost, robot
@@ -42,6 +52,11 @@ class Head3d(TargetWidget):
     def __init__(self, texts: Texts) -> None:
         super().__init__(texts("label.head3d"), texts("tip.head3d"))
         self._texts = texts
+        self._names, self._nothing = QLabel(), label(wrap=True)
+        self._nothing.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self.views = {name: plain_button(texts(f"view.{name}"), texts("tip.view")) for name in VIEWS}
+        buttons = in_row(None, *self.views.values())
+        in_column(self._names, (self._nothing, 1), buttons, margins=(9, 6, 9, 9), inside=self)
         self.camera = VIEWS["behind"]
         self._drag: Drag | None = None
         self._orbit: QPointF | None = None
@@ -74,6 +89,21 @@ class Head3d(TargetWidget):
             self.camera = camera
             self.moved.emit()
             self.update()
+
+    def show_view(self, view: HeadView) -> None:
+        """Draw the robots and the target; name the robots and a silent one, or say that none is online."""
+        super().show_view(view)
+        names = [
+            (f"{symbol} {self._texts(f'side.{side}')}", self._style.side(side))
+            for symbol, side in (("■", "hw"), ("+", "sim"))
+            if view.side(side) is not None
+        ]
+        if view.silent and view.shown is not None:
+            silent = f"◌ {self._texts(f'side.{view.solid}')}: {self._texts('condition.silent')}"
+            names.append((silent, self._style.bad))
+        texts = (f"<span style='color:{colour}'>{text}</span>" for text, colour in names)
+        set_text(self._names, " &nbsp; ".join(texts))
+        set_text(self._nothing, "" if view.shown is not None else self._texts("label.no_head"))
 
     # Mouse
 
@@ -154,8 +184,9 @@ class Head3d(TargetWidget):
             self._paint_robots(painter, view)
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             part = self._over if self._drag is None else self._drag.part
-            marks = Marks(painter, view, self.screen3d, self._style, self._texts, part)
-            marks.paint(dragged=self._drag is not None)
+            if view.shown is not None:
+                marks = Marks(painter, view, self.screen3d, self._style, part)
+                marks.paint(dragged=self._drag is not None)
             if self.hasFocus():
                 draw_lines(painter, self._style.accent, 2)
                 painter.drawRect(self.rect().adjusted(1, 1, -1, -1))
@@ -182,12 +213,11 @@ class Head3dPanel(Panel):
     def __init__(self, texts: Texts) -> None:
         super().__init__()
         self.head = Head3d(texts)
-        self.views = {name: plain_button(texts(f"view.{name}"), texts("tip.view")) for name in VIEWS}
+        self.views = self.head.views
         self.live, self.send = ChoiceCheck(texts, "live"), ChoiceCheck(texts, "send_on_release")
         for name, button in self.views.items():
             button.setCheckable(True)
             button.clicked.connect(lambda _, name=name: self._look(name))
-        in_column(None, in_row(None, *self.views.values()), inside=self.head)
         below = in_row(self.live, self.send, None, margins=(6, 0, 6, 4))
         in_column((self.head, 1), below, gap=4, margins=NO_MARGINS, inside=self)
         self.reports(self.live, self.send, self.head)

@@ -52,6 +52,16 @@ def turned(head: HeadOrientation) -> Rotation:
     return rotation_of(*(math.radians(angle) for angle in (head.yaw, head.pitch, head.roll)))
 
 
+def furthest(view: HeadView) -> list[HeadOrientation]:
+    """Return the furthest leans of the target, in all directions."""
+    leans = view.drag.border
+    turns = [math.tau * k / len(leans) for k in range(len(leans))]
+    return [
+        HeadOrientation(view.target.yaw, lean * math.sin(turn), lean * math.cos(turn))
+        for lean, turn in zip(leans, turns, strict=True)
+    ]
+
+
 def on_screen(screen: Screen, head: HeadOrientation, point: tuple[float, float, float]) -> Floats:
     """Return x, y (px) and nearness (m) of a point of the head."""
     place: Floats = screen.place(np.array([point]) @ np.array(turned(head)).T)[0]

@@ -21,9 +21,8 @@ from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits.region import reach
 from gui.console.state.intents import HeadOrientation
 from gui.console.state.views import HeadView
-from gui.console.texts import Texts
 from gui.window.theme import Style
-from gui.window.widgets.head3d_drag import CROWN, EARS, FLOOR, NOSE, SKULL, Part, on_screen, turned
+from gui.window.widgets.head3d_drag import CROWN, EARS, FLOOR, NOSE, SKULL, Part, furthest, on_screen, turned
 
 GHOST: Final = 0.42
 """Opacity of the ghost."""
@@ -41,8 +40,6 @@ AHEAD: Final = 0.06
 """Length (m) of the line from the nose."""
 PORTRAIT_ZOOM: Final = 1.6
 POINT_BYTES: Final = 16
-GAP: Final = 12.0
-"""Room (px) beside a sentence."""
 
 
 @cache
@@ -182,7 +179,6 @@ class Marks:
     view: HeadView
     screen: Screen
     style: Style
-    texts: Texts
     part: Part | None
     """the part under the mouse"""
 
@@ -194,18 +190,13 @@ class Marks:
         return math.hypot(target.pitch, target.roll) / furthest
 
     def paint(self, *, dragged: bool) -> None:
-        """Draw the border, the outline of the target, the handles, and names."""
-        shown = self.view.shown
-        if shown is None:
-            self._paint_nothing()
-            return
-        aims = dragged or apart(shown, self.view.target)
+        """Draw the border, the outline of the target, the handles, and a refused target."""
+        aims = dragged or apart(self.view.shown, self.view.target)
         if aims or self.strain > GLOW:
             self._paint_border()
         if aims:
             self._paint_outline()
         self._paint_handles(aims=aims)
-        self._paint_names()
         if self.view.drag.refused is not None:
             self._paint_refused(self.view.drag.refused)
 
@@ -217,18 +208,14 @@ class Marks:
     def _paint_border(self) -> None:
         """Draw where the crown of the head may be; it glows where the target is near it or beyond, as the nose does."""
         painter, style, target = self.painter, self.style, self.view.target
-        border = self.view.drag.border
-        crowns = []
-        for k, lean in enumerate(border):
-            turn = math.tau * k / len(border)
-            rows = turned(HeadOrientation(target.yaw, lean * math.sin(turn), lean * math.cos(turn)))
-            crowns.append([row[2] * CROWN[2] for row in rows])  # the crown is on the axis z of the head
+        # The crown is on the axis z of the head.
+        crowns = [[row[2] * CROWN[2] for row in turned(head)] for head in furthest(self.view)]
         points = self.screen.place(np.array(crowns))[:, :2]
         draw_lines(painter, style.edge, 1.5, Qt.PenStyle.DashLine)
         painter.drawPolygon(_polygon(points))
         if self.strain > GLOW:
-            at = round(math.atan2(target.pitch, target.roll) / math.tau * len(border))
-            near = points[[(at + k) % len(border) for k in range(-6, 7)]]
+            at = round(math.atan2(target.pitch, target.roll) / math.tau * len(points))
+            near = points[[(at + k) % len(points) for k in range(-6, 7)]]
             draw_lines(painter, style.bad if self.strain > 1 else style.warn, 6)
             painter.drawPolyline(_polygon(near))
         if abs(target.yaw) > GLOW * self.view.yaw_max:
@@ -255,32 +242,6 @@ class Marks:
             draw_lines(painter, style.accent if over else style.text, 3 if over else 2)
             painter.drawLine(self._at(NOSE), tip)
             painter.drawEllipse(tip, 6.0, 6.0)
-
-    def _paint_nothing(self) -> None:
-        """Say that no robot is online; an outline would cross the sentence."""
-        self.painter.setPen(QColor(self.style.text))
-        whole = QRectF(GAP, 0, self.screen.width - 2 * GAP, self.screen.height)
-        wrapped = int(Qt.AlignmentFlag.AlignCenter) | int(Qt.TextFlag.TextWordWrap)
-        self.painter.drawText(whole, wrapped, self.texts("label.no_head"))
-
-    def _paint_names(self) -> None:
-        """Name the robots, and say which one is silent."""
-        view, style, painter, x = self.view, self.style, self.painter, self.style.px(10)
-        font = painter.font()
-        font.setPixelSize(style.px(12))
-        painter.setFont(font)
-        names = [
-            (f"{symbol} {self.texts(f'side.{side}')}", style.side(side))
-            for symbol, side in (("■", "hw"), ("+", "sim"))
-            if view.side(side) is not None
-        ]
-        if view.silent:
-            silent = f"◌ {self.texts(f'side.{view.solid}')}: {self.texts('condition.silent')}"
-            names.append((silent, style.bad))
-        for text, colour in names:
-            painter.setPen(QColor(colour))
-            painter.drawText(QPointF(x, style.px(18)), text)
-            x += painter.fontMetrics().horizontalAdvance(text) + style.px(14)
 
     def _paint_refused(self, refused: HeadOrientation) -> None:
         """Mark a refused target with a cross and the reason."""

@@ -100,8 +100,6 @@ ROBOT_PX = 160
 """Largest width of the box with the robot: a name of 32 letters must not take the room of the pills."""
 ROBOTS_SHOWN = 16
 """Robots in the open list; further ones are reached by its scroll bar, or by typing the first letters of a name."""
-LONGEST = "■ 88:88"
-"""A duration of a recording."""
 
 
 class RecordButtons(Panel):
@@ -110,6 +108,7 @@ class RecordButtons(Panel):
     def __init__(self) -> None:
         super().__init__()
         self.open, self.toggle = self.button(), self.button()
+        self.toggle.setObjectName("record")  # wide enough for a duration, so that it stays under the mouse
         in_row(self.open, self.toggle, gap=4, margins=NO_MARGINS, inside=self)
 
     def show_view(self, view: RecordView) -> None:
@@ -118,9 +117,6 @@ class RecordButtons(Panel):
         self.toggle.show_view(view.toggle)
         self.toggle.setText(f"■ {view.text}" if view.running else view.toggle.text)
         set_role(self.toggle, "recording", "yes" if view.running else "")
-        width, wide = self.toggle.sizeHint().width(), self.toggle.fontMetrics().horizontalAdvance
-        more = max(0, wide(LONGEST) - wide(self.toggle.text()))
-        self.toggle.setMinimumWidth(max(self.toggle.minimumWidth(), width + more))  # it stays under the mouse
 
 
 class Pill(Panel):

@@ -1,96 +1,24 @@
-"""The parts of the plots: one plot with its curves and cursor, and the buttons above all plots."""
+"""One plot with its curves and cursor."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Container, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import Final
 
 import numpy as np
 import pyqtgraph as pg
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtGui import QFont, QPen
-from PyQt5.QtWidgets import QAction, QLabel, QMenu, QPushButton, QWidget
+from PyQt5.QtWidgets import QLabel, QWidget
 from pyqtgraph.GraphicsScene.mouseEvents import HoverEvent
 
-from beatrix_zenoh.contract.names import ARMS
-from beatrix_zenoh.contract.values import Value
 from gui.console.texts import Texts
 from gui.window.theme import Style
-from gui.window.widgets.controls import NO_MARGINS, in_column, in_row, label, plain_button
+from gui.window.widgets.controls import NO_MARGINS, in_column
 from gui.window.widgets.plot_samples import SPAN_MAX_S, Samples
 
 SPAN_MIN_S: Final = 1.0
-SPANS: Final = (5, 20, 60)
-"""Times that the plots show at the press of a button (s)."""
-BOTH: Final = ("hw", "sim")
-"""The robots in the order in which they are drawn."""
-DIFFERENCE: Final = "difference"
-
-
-def described(text: str, tooltip: str) -> QPushButton:
-    """Return a button whose text is too short to be its name."""
-    return plain_button(text, tooltip, tooltip)
-
-
-class PlotBar(QWidget):
-    """The buttons above the plots."""
-
-    def __init__(self, texts: Texts) -> None:
-        super().__init__()
-        self._word = texts.word
-        self.spans = {
-            seconds: described(f"{seconds} s", texts("tip.plot_span", seconds=str(seconds)))
-            for seconds in SPANS
-        }
-        self.pause = described(texts("plot.pause"), texts("tip.plot_pause"))
-        for button in (*self.spans.values(), self.pause):
-            button.setCheckable(True)
-        self.menu = QMenu(self)
-        self.choices = {
-            name: choice(
-                self.menu, texts(f"label.{name}" if name in (*BOTH, DIFFERENCE) else f"arm.{name}"), on=True
-            )
-            for name in (*BOTH, *ARMS, DIFFERENCE)
-        }
-        """by side, arm or DIFFERENCE"""
-        self.menu.addSeparator()
-        self.values = self.menu.addMenu(texts("plot.values"))
-        """the values of the robots, in groups; `offer` fills it"""
-        curves = described(f"{texts('plot.curves')} ▾", texts("tip.plot_curves"))
-        # Without blocking the window, as `setMenu` would.
-        curves.clicked.connect(lambda: self.menu.popup(curves.mapToGlobal(curves.rect().bottomLeft())))
-        self.time = label(role="dim")
-        """time at the cursor"""
-        self.csv = described("CSV", texts("tip.plot_csv"))
-        self.png = described("PNG", texts("tip.plot_png"))
-        short, middle, long = self.spans.values()
-        parts = short, middle, long, self.pause, curves, (self.time, 1), self.csv, self.png
-        in_row(*parts, gap=4, margins=(4, 4, 4, 0), inside=self)
-
-    def chosen(self, name: str) -> bool:
-        """Return whether a side, an arm or the difference is shown."""
-        return self.choices[name].isChecked()
-
-    def offer(
-        self, found: Iterable[Value], watched: Container[str], watch: Callable[[Value, bool], None]
-    ) -> None:
-        """Offer these values in the menu; those whose field is in `watched` are checked."""
-        self.values.clear()
-        groups: dict[str, QMenu] = {}
-        for value in found:
-            if value.group not in groups:
-                groups[value.group] = self.values.addMenu(self._word(value.group))
-            action = choice(groups[value.group], self._word(value.title), on=value.field in watched)
-            action.toggled.connect(lambda on, value=value: watch(value, on))
-
-
-def choice(menu: QMenu, text: str, *, on: bool) -> QAction:
-    """Return a new entry of a menu that is on or off."""
-    action = menu.addAction(text)
-    action.setCheckable(True)
-    action.setChecked(on)
-    return action
 
 
 class TimeBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types

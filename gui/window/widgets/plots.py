@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import Final
 
 import pyqtgraph as pg
 from PyQt5.QtCore import QBuffer, QIODevice, Qt
 from PyQt5.QtGui import QColor, QResizeEvent, QShowEvent
-from PyQt5.QtWidgets import QFileDialog, QGridLayout, QWidget
+from PyQt5.QtWidgets import QAction, QFileDialog, QGridLayout, QMenu, QPushButton, QWidget
 
 from beatrix_zenoh import colours as hues
 from beatrix_zenoh.client import RobotState
@@ -19,9 +21,9 @@ from gui.console.state.intents import Theme
 from gui.console.state.world import World
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import NO_MARGINS, in_column, set_text, spaced
+from gui.window.widgets.controls import NO_MARGINS, in_column, in_row, label, plain_button, set_text, spaced
 from gui.window.widgets.files import FilePanel
-from gui.window.widgets.plot_curves import BOTH, DIFFERENCE, Curves, PlotBar
+from gui.window.widgets.plot_curves import Curves
 from gui.window.widgets.plot_samples import (
     SPAN_MAX_S,
     History,
@@ -32,6 +34,11 @@ from gui.window.widgets.plot_samples import (
     table,
 )
 
+BOTH: Final = ("hw", "sim")
+"""The robots in the order in which they are drawn."""
+DIFFERENCE: Final = "difference"
+SPANS: Final = (5, 20, 60)
+"""Times that the plots show at the press of a button (s)."""
 SPAN_S: Final = 20.0
 """Time that the plots show at first."""
 LEAST_ARM_DEG: Final = 20.0
@@ -49,6 +56,11 @@ SIGNS: Final = ("—", "–&nbsp;–", "···")
 """Line styles of the difference, and signs that look like them: short, middle, long arm."""
 LOW: Final = 20
 """Height of the panel, in lines of text, below which the plots stand in two columns."""
+
+
+def described(text: str, tooltip: str) -> QPushButton:
+    """Return a button whose text is too short to be its name."""
+    return plain_button(text, tooltip, tooltip)
 
 
 class PlotsPanel(FilePanel):
@@ -71,16 +83,18 @@ class PlotsPanel(FilePanel):
         self._paused: dict[str, Samples] | None = None
         """the samples while the plots are paused"""
         self._cursor_s: float | None = None
-        self._world: World | None = None
-        self.bar = PlotBar(texts)
+        self._states: dict[str, RobotState] = {}
+        bar = self._bar(texts)
         self._graphics = QWidget()
         self._graphics.setAutoFillBackground(True)
         self.plots = self._made_plots(texts)
         """by arm, slot, and DIFFERENCE; those of the slots are hidden until the user chooses other values"""
         self._grid = spaced(QGridLayout(self._graphics), None, (4, 2, 4, 2))
         self._grid.setVerticalSpacing(0)
-        in_column(self.bar, (self._graphics, 1), gap=0, margins=NO_MARGINS, inside=self)
-        self._connect()
+        in_column(bar, (self._graphics, 1), gap=0, margins=NO_MARGINS, inside=self)
+        for curves in self.plots.values():
+            curves.box.pointed.connect(self._point)
+            curves.moved.connect(self._show_times)
         self.show_theme(Theme.DARK)
         self.show_span(SPAN_S)
 
@@ -100,18 +114,56 @@ class PlotsPanel(FilePanel):
         plots[DIFFERENCE] = Curves(self._graphics, texts, title, LEAST_DIFFERENCE_DEG, arms)
         return plots
 
-    def _connect(self) -> None:
-        for seconds, button in self.bar.spans.items():
+    def _bar(self, texts: Texts) -> QWidget:
+        """Return the buttons above the plots."""
+        self.spans = {
+            seconds: described(f"{seconds} s", texts("tip.plot_span", seconds=str(seconds)))
+            for seconds in SPANS
+        }
+        for seconds, button in self.spans.items():
+            button.setCheckable(True)
             button.clicked.connect(lambda _, seconds=seconds: self.show_span(seconds))
-        self.bar.pause.clicked.connect(self.pause)
-        self.bar.menu.aboutToShow.connect(self._offer)
-        for action in self.bar.choices.values():
-            action.toggled.connect(self._choose)
-        self.bar.csv.clicked.connect(self._export_table)
-        self.bar.png.clicked.connect(self._export_picture)
-        for curves in self.plots.values():
-            curves.box.pointed.connect(self._point)
-            curves.moved.connect(self._show_times)
+        self.hold = described(texts("plot.pause"), texts("tip.plot_pause"))
+        self.hold.setCheckable(True)
+        self.hold.clicked.connect(self.pause)
+        self.menu = QMenu(self)
+        self.menu.aboutToShow.connect(self._offer)
+        self.choices = {
+            name: self._choice(
+                self.menu, texts(f"arm.{name}" if name in ARMS else f"label.{name}"), self._choose
+            )
+            for name in (*BOTH, *ARMS, DIFFERENCE)
+        }
+        """by side, arm or DIFFERENCE"""
+        self.menu.addSeparator()
+        self.values = self.menu.addMenu(texts("plot.values"))
+        """the values of the robots, in groups; `_offer` fills it"""
+        curves = described(f"{texts('plot.curves')} ▾", texts("tip.plot_curves"))
+        # Without blocking the window, as `setMenu` would.
+        curves.clicked.connect(lambda: self.menu.popup(curves.mapToGlobal(curves.rect().bottomLeft())))
+        self.time = label(role="dim")
+        """time at the cursor"""
+        self.csv, self.png = (described(kind.upper(), texts(f"tip.plot_{kind}")) for kind in ("csv", "png"))
+        self.csv.clicked.connect(self._export_table)
+        self.png.clicked.connect(self._export_picture)
+        short, middle, long = self.spans.values()
+        parts = short, middle, long, self.hold, curves, (self.time, 1), self.csv, self.png
+        bar = QWidget()
+        in_row(*parts, gap=4, margins=(4, 4, 4, 0), inside=bar)
+        return bar
+
+    @staticmethod
+    def _choice(menu: QMenu, text: str, do: Callable[[bool], None], *, on: bool = True) -> QAction:
+        """Return a new entry of a menu that is on or off, and does something with each change."""
+        action = menu.addAction(text)
+        action.setCheckable(True)
+        action.setChecked(on)
+        action.toggled.connect(do)
+        return action
+
+    def _chosen(self, name: str) -> bool:
+        """Return whether a side, an arm or the difference is shown."""
+        return self.choices[name].isChecked()
 
     # -- samples ------------------------------------------------------------------------------------
 
@@ -121,12 +173,11 @@ class PlotsPanel(FilePanel):
             self._robot, self._histories = world.robot, {side: History(COLUMNS) for side in BOTH}
             self.pause(on=False)
         for side, history in self._histories.items():
-            state = world.side(side)
-            reading = state.reading
-            if reading is not None:
-                arms = reading.arms
-                history.add(sample_time_s(state, world.now_s), (*arms, *self._others(state)))
-        self._now_s, self._world = world.now_s, world
+            state = self._states[side] = world.side(side)
+            if state.reading is not None:
+                values = *state.reading.arms, *self._others(state)
+                history.add(sample_time_s(state, world.now_s), values)
+        self._now_s = world.now_s
         if self._paused is None and self.isVisible():
             self._draw()
 
@@ -138,11 +189,17 @@ class PlotsPanel(FilePanel):
 
     def _offer(self) -> None:
         """Offer all numbers of both robots in the menu."""
+        self.values.clear()
         found: dict[str, Value] = {}
-        if self._world is not None:
-            for side in BOTH:
-                found |= numbers(self._world.side(side))
-        self.bar.offer(found.values(), {value.field for value in self._watched.values()}, self.watch)
+        for state in self._states.values():
+            found |= numbers(state)
+        groups: dict[str, QMenu] = {}
+        for value in found.values():
+            if value.group not in groups:
+                groups[value.group] = self.values.addMenu(self._texts.word(value.group))
+            on = value.field in {watched.field for watched in self._watched.values()}
+            watch = partial(self.watch, value)
+            self._choice(groups[value.group], self._texts.word(value.title), watch, on=on)
 
     def watch(self, value: Value, on: bool) -> None:  # noqa: FBT001 - Qt's signal has it
         """Show a value from now on in a slot, if all are in use in that of the value chosen first; or show it no longer."""
@@ -159,7 +216,7 @@ class PlotsPanel(FilePanel):
     def _samples(self) -> dict[str, Samples]:
         """Return the samples of the chosen robots, with times before now or before the pause."""
         found = self._present() if self._paused is None else self._paused
-        return {side: rows if self.bar.chosen(side) else rows[:0] for side, rows in found.items()}
+        return {side: rows if self._chosen(side) else rows[:0] for side, rows in found.items()}
 
     def _present(self) -> dict[str, Samples]:
         found = {side: history.samples for side, history in self._histories.items()}
@@ -179,7 +236,7 @@ class PlotsPanel(FilePanel):
             if self._shown(name):
                 curves.draw(shown, self._cursor_s)
         at_s = self._cursor_s
-        set_text(self.bar.time, "" if at_s is None else self._texts("plot.time", seconds=at_s))
+        set_text(self.time, "" if at_s is None else self._texts("plot.time", seconds=at_s))
 
     # -- what is shown ------------------------------------------------------------------------------
 
@@ -191,7 +248,7 @@ class PlotsPanel(FilePanel):
         """Keep the present samples on the screen, or follow the robots again."""
         if on != (self._paused is not None):
             self._paused = self._present() if on else None
-            self.bar.pause.setChecked(on)
+            self.hold.setChecked(on)
             self._show_times(self._begin_s, self._end_s)
 
     def _show_times(self, begin_s: float, end_s: float) -> None:
@@ -201,7 +258,7 @@ class PlotsPanel(FilePanel):
         self._begin_s, self._end_s = begin_s, end_s
         for curves in self.plots.values():
             curves.box.setXRange(begin_s, end_s, padding=0.0)
-        for seconds, button in self.bar.spans.items():
+        for seconds, button in self.spans.items():
             button.setChecked(math.isclose(end_s - begin_s, seconds))
         self._point(self._cursor_s)
 
@@ -211,19 +268,19 @@ class PlotsPanel(FilePanel):
         self._cursor_s = time_s if inside else None
         self._draw()
 
-    def _choose(self) -> None:
+    def _choose(self, _changed: object = None) -> None:
         """Show the chosen plots and curves."""
         for slot, value in self._watched.items():
             words = " ".join(self._texts.word(part) for part in (value.group, value.title))
             self.plots[slot].title = f"{words} ({value.unit})" if value.unit else words
         for name, curves in self.plots.items():
-            curves.choose([self.bar.chosen(part) for part in (ARMS if name == DIFFERENCE else BOTH)])
+            curves.choose([self._chosen(part) for part in (ARMS if name == DIFFERENCE else BOTH)])
             curves.setVisible(self._shown(name))
         self._arrange()
         self._draw()
 
     def _shown(self, name: str) -> bool:
-        return name in self._watched if name in SLOTS else self.bar.chosen(name)
+        return name in self._watched if name in SLOTS else self._chosen(name)
 
     def _arrange(self) -> None:
         """Put the chosen plots into one column or, in a low panel, into two; the lowest have the labels of the time."""
@@ -243,7 +300,7 @@ class PlotsPanel(FilePanel):
         names = {arm: f"{arm}_deg" for arm in ARMS}
         names |= {slot: self._watched[slot].field for slot in SLOTS if slot in self._watched}
         columns = [0, *(1 + COLUMNS.index(name) for name in names)]
-        samples = {side: rows[:, columns] for side, rows in self._samples().items() if self.bar.chosen(side)}
+        samples = {side: rows[:, columns] for side, rows in self._samples().items() if self._chosen(side)}
         self._save("plot_csv", table(samples, [*names.values()], self._begin_s, self._end_s))
 
     def _export_picture(self) -> None:
