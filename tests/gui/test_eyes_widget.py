@@ -118,7 +118,6 @@ def test_bars_are_there_only_while_the_box_is_checked(qtbot: QtBot) -> None:
     assert not any(bar.isVisible() for bar in panel.bars.values())
     panel.box.click()
     assert intents == [Choose("microphones", value=True)]
-    assert not panel.box.isChecked(), "only the view changes it"
     panel.show_view(SoundView(True, LEVELS))
     assert all(bar.isVisible() for bar in panel.bars.values())
     assert [bar.value() for bar in panel.bars.values()] == [75, 50, 0, 0]

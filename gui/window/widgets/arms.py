@@ -21,7 +21,6 @@ from gui.window.widgets.controls import (
     in_row,
     label,
     named,
-    set_text,
 )
 
 LEAST_INCREMENT = 0.1
@@ -104,9 +103,9 @@ class ArmRow:
 
     def show_view(self, view: ArmRowView) -> None:
         """Show the angles."""
-        set_text(self.title, f"{view.axis.upper()}  {view.title}".strip())
-        set_text(self.sim, view.sim)
-        set_text(self.hw, view.hw)
+        self.title.setText(f"{view.axis.upper()}  {view.title}".strip())
+        self.sim.setText(view.sim)
+        self.hw.setText(view.hw)
         for button, shown in ((self.minus, view.minus), (self.plus, view.plus)):
             button.show_view(shown, view.title)
 
@@ -127,10 +126,10 @@ class ArmsPanel(Panel):
             grid.setColumnStretch(place, 1)
         self.rows = {arm: ArmRow(grid, line, arm) for line, arm in enumerate((*ARMS, ALL_ARMS), start=1)}
         for shown in self.rows.values():
-            self.reports(shown.minus, shown.plus)
+            self.reports(shown.minus.intent, shown.plus.intent)
         self.increment = SliderBox(texts, "increment", least=LEAST_INCREMENT)
         self.speed = SliderBox(texts, "speed", least=LEAST_SPEED)
-        self.reports(self.increment, self.speed)
+        self.reports(self.increment.intent, self.speed.intent)
         self._sliders = in_column(self.increment, self.speed, gap=2)
         in_column(grid, self._sliders, gap=2, margins=(8, 4, 8, 4), inside=self)
 

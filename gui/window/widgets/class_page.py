@@ -21,7 +21,6 @@ from gui.window.widgets.controls import (
     label,
     plain_button,
     set_role,
-    set_text,
 )
 from gui.window.widgets.table import LessonsTable, Table, TableRow
 
@@ -142,17 +141,17 @@ class ClassPage(Panel):
         if view is None or view == self._view:
             return
         old, self._view = self._view, view
-        set_text(self.summary, view.summary)
-        set_text(self.limit_now, view.limit_now)
+        self.summary.setText(view.summary)
+        self.limit_now.setText(view.limit_now)
         self.freeze_all.show_view(view.freeze_all)
         self.unfreeze_all.show_view(view.unfreeze_all)
         self.set_limit.show_view(view.limit)
         self.limit.setToolTip(view.limit.tooltip)
-        set_text(self.empty, view.empty)
+        self.empty.setText(view.empty)
         self.empty.setVisible(not view.rows)
         self.list.setVisible(bool(view.rows))
         set_role(self.result, "role", {True: "good", False: "bad", None: "dim"}[view.good])
-        set_text(self.result, view.result)
+        self.result.setText(view.result)
         if old is None or old.rows != view.rows:
             self._show_rows(view.rows)
         self._show_selected()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Never, Protocol, TypeVar
+from typing import Never, TypeVar
 
 from PyQt5.QtCore import QEvent, QSignalBlocker, QSize, Qt, QTimer, pyqtBoundSignal, pyqtSignal
 from PyQt5.QtGui import QFocusEvent, QHideEvent, QPainter, QPaintEvent
@@ -168,14 +168,6 @@ def show_each(
         button.hide()
 
 
-class Reporting(Protocol):
-    """A widget that reports intents."""
-
-    @property
-    def intent(self) -> pyqtBoundSignal:
-        """The signal, with the intent."""
-
-
 class Panel(QFrame):
     """A part of the window: it shows its part of a view, and reports intents."""
 
@@ -187,15 +179,15 @@ class Panel(QFrame):
         if look:
             self.setProperty(look, True)  # noqa: FBT003
 
-    def reports(self, *parts: Reporting) -> None:
-        """Report the intents of these parts, too."""
-        for part in parts:
-            part.intent.connect(self.intent)
+    def reports(self, *intents: pyqtBoundSignal) -> None:
+        """Report the intents of these signals of its parts."""
+        for intent in intents:
+            intent.connect(self.intent)
 
     def button(self, *, main: bool = False) -> IntentButton:
         """Return a button whose intents this panel reports."""
         button = IntentButton(main=main)
-        self.reports(button)
+        self.reports(button.intent)
         return button
 
     def show_view(self, view: Never) -> None:
@@ -239,7 +231,7 @@ class Sheet(Panel):
 
 
 class ChoiceCheck(QCheckBox):
-    """The box of a choice that is on or off; the window shows its present value, so it changes only with a view."""
+    """The box of a choice that is on or off; the window shows its present value with each view."""
 
     intent = pyqtSignal(object)
 
@@ -247,10 +239,7 @@ class ChoiceCheck(QCheckBox):
         super().__init__(texts(f"label.{name}"))
         self.name = name
         named(self, self.text(), texts(f"tip.{name}"))
-        self.clicked.connect(lambda: self.intent.emit(Choose(name, value=not self.isChecked())))
-
-    def nextCheckState(self) -> None:  # noqa: N802
-        """Keep the state until the view changes it."""
+        self.clicked.connect(lambda on: self.intent.emit(Choose(name, value=on)))
 
 
 class NameBox(QComboBox):
@@ -341,9 +330,3 @@ def set_role(widget: QWidget, name: str, value: str) -> None:
     if style is not None:
         style.unpolish(widget)
         style.polish(widget)
-
-
-def set_text(target: QLabel, text: str) -> None:
-    """Set a label's text if it differs: setting the same text would cause a new layout."""
-    if target.text() != text:
-        target.setText(text)

@@ -23,7 +23,6 @@ from gui.window.widgets.controls import (
     in_row,
     label,
     set_role,
-    set_text,
     spaced,
 )
 
@@ -38,7 +37,7 @@ class LevelsPanel(Panel):
     def __init__(self, texts: Texts) -> None:
         super().__init__()
         self.box = ChoiceCheck(texts, "microphones")
-        self.reports(self.box)
+        self.reports(self.box.intent)
         self.bars = {(side, ear): QProgressBar() for side in SIDES for ear in (0, 1)}
         self.titles = {side: QLabel() for side in SIDES}
         self.texts = {side: ElidedLabel(least=0) for side in SIDES}
@@ -118,9 +117,9 @@ class CameraPicture(QWidget):
         if view.text or not view.watched:
             self._newest = None
         age_s = 0.0 if self._newest is None else (time.monotonic_ns() - self._newest.arrived_mono_ns) / 1e9
-        set_text(self.age, f"{age_s:.0f} s" if age_s > STALE_S else "")
+        self.age.setText(f"{age_s:.0f} s" if age_s > STALE_S else "")
         set_role(self.title, "role", view.side)
-        set_text(self.title, view.title)
+        self.title.setText(view.title)
         self.setAccessibleName(view.title)
         self.setAccessibleDescription(view.text)
         self._text = view.text
@@ -129,7 +128,7 @@ class CameraPicture(QWidget):
     def show_image(self, image: CameraImage) -> None:
         """Show a new picture."""
         self._newest = image
-        set_text(self.age, "")
+        self.age.setText("")
         self.update()
 
     def paintEvent(self, event: QPaintEvent) -> None:  # noqa: N802, ARG002
@@ -161,7 +160,7 @@ class EyesPanel(Panel):
         for (side, eye), picture in self.pictures.items():
             grid.addWidget(picture, SIDES.index(side), EYES.index(eye))
         self.cameras = ChoiceCheck(texts, "cameras")
-        self.reports(self.cameras)
+        self.reports(self.cameras.intent)
         self.sound = LevelsPanel(texts)
         below = in_row(self.cameras, (self.sound, 1), gap=12)
         below.setAlignment(self.cameras, Qt.AlignmentFlag.AlignTop)

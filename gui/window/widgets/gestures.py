@@ -14,7 +14,7 @@ from gui.console.state.intents import Theme
 from gui.console.state.views import ButtonView, GesturesView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import ElidedLabel, Panel, set_role, set_text, spaced
+from gui.window.widgets.controls import ElidedLabel, Panel, set_role, spaced
 
 PICTURE_PX = 26
 """Side of a picture at scale 1."""
@@ -86,7 +86,7 @@ class GesturesPanel(Panel):
         self.setAccessibleName(texts("label.gestures"))
         self._all = (*self.buttons.values(), self.follow, self.open)
         grid = spaced(QGridLayout(self), 3, (3, 3, 3, 3))
-        self.reports(*self._all)
+        self.reports(*(button.intent for button in self._all))
         for number, button in enumerate(self._all):
             grid.addWidget(button, *divmod(number, COLUMNS))
             grid.setRowStretch(number // COLUMNS, 1)
@@ -119,7 +119,7 @@ class GesturesPanel(Panel):
         set_role(self.follow, "running", "yes" if view.following else "")
         tooltip = (f"{view.follow.text}: {view.follow.tooltip}", view.note, view.details)
         self.follow.setToolTip("\n".join(text for text in tooltip if text))
-        set_text(self.note, view.note)
+        self.note.setText(view.note)
         self._show_names()
         self.note.setVisible(bool(view.note))
         self.note.setToolTip(view.details)

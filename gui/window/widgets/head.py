@@ -6,15 +6,15 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from PyQt5.QtCore import QPointF, QRectF, Qt, pyqtSignal
+from PyQt5.QtCore import QPointF, QRectF, Qt
 from PyQt5.QtGui import QBrush, QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPolygonF, QResizeEvent
-from PyQt5.QtWidgets import QBoxLayout, QGridLayout, QLabel, QSizePolicy, QWidget
+from PyQt5.QtWidgets import QBoxLayout, QGridLayout, QLabel, QSizePolicy
 
 from gui.console.state.intents import AimHead, HeadOrientation, Theme
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
 from gui.window.theme import Style, style_of
-from gui.window.widgets.controls import Panel, in_column, label, named, set_text, spaced
+from gui.window.widgets.controls import Panel, in_column, label, named, spaced
 from gui.window.widgets.head3d_drag import BEYOND, furthest
 from gui.window.widgets.head3d_paint import draw_lines
 
@@ -53,10 +53,8 @@ SYMBOLS = {"target": "○", "sim": "+", "hw": "■"}
 """The markers of the pad."""
 
 
-class TargetWidget(QWidget):
+class TargetWidget(Panel):
     """A picture in which the user moves the target of the head: what the pad and the view in three dimensions share."""
-
-    intent = pyqtSignal(object)
 
     def __init__(self, name: str, tip: str) -> None:
         super().__init__()
@@ -274,7 +272,7 @@ class HeadPanel(Panel):
         self.pad = HeadPad(texts)
         self.numbers = {(name, axis): self._right(role) for name, role in COLUMNS.items() for axis in AXES}
         self._names = {name: self._right(role) for name, role in COLUMNS.items()}
-        self.reports(self.pad)
+        self.reports(self.pad.intent)
         grid = spaced(QGridLayout(), 1)
         grid.setHorizontalSpacing(4)
         for column_number, name in enumerate(COLUMNS, start=1):
@@ -305,7 +303,7 @@ class HeadPanel(Panel):
         self._layout.setDirection(directions.LeftToRight if beside else directions.TopToBottom)
         for name, heading in self._names.items():
             words = self._texts(f"label.{name}")
-            set_text(heading, SYMBOLS[name] if beside else f"{SYMBOLS[name]} {words}")
+            heading.setText(SYMBOLS[name] if beside else f"{SYMBOLS[name]} {words}")
             heading.setToolTip(words)
 
     def show_theme(self, theme: Theme) -> None:
@@ -318,6 +316,6 @@ class HeadPanel(Panel):
         for (name, axis), number in self.numbers.items():
             at = view.target if name == "target" else view.side(name)
             known = at is not None
-            set_text(
-                number, self._texts("angle", degrees=getattr(at, axis)) if known else self._texts("unknown")
+            number.setText(
+                self._texts("angle", degrees=getattr(at, axis)) if known else self._texts("unknown")
             )

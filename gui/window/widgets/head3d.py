@@ -6,23 +6,20 @@ import math
 from dataclasses import replace
 from typing import Final
 
-from PyQt5.QtCore import QPoint, QPointF, Qt, QTimer, pyqtSignal
+from PyQt5.QtCore import QPoint, QPointF, Qt, QTimer
 from PyQt5.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
 from PyQt5.QtWidgets import QLabel
 
 from beatrix_zenoh.body.scene import Screen, Viewpoint
-from gui.console.state.intents import GrabHead, LiveHead, ReleaseHead, Theme
+from gui.console.state.intents import GrabHead, LiveHead, ReleaseHead
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
 from gui.window.widgets.controls import (
-    NO_MARGINS,
     ChoiceCheck,
-    Panel,
     in_column,
     in_row,
     label,
     plain_button,
-    set_text,
 )
 from gui.window.widgets.head import TargetWidget
 from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, grabbed
@@ -46,17 +43,19 @@ ZOOM_STEP: Final = 1.15
 class Head3d(TargetWidget):
     """Draws both robots from their positions, and reports new targets. Draws only when the picture changes."""
 
-    moved = pyqtSignal()
-    """the camera has moved"""
-
     def __init__(self, texts: Texts) -> None:
         super().__init__(texts("label.head3d"), texts("tip.head3d"))
         self._texts = texts
         self._names, self._nothing = QLabel(), label(wrap=True)
         self._nothing.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self.views = {name: plain_button(texts(f"view.{name}"), texts("tip.view")) for name in VIEWS}
-        buttons = in_row(None, *self.views.values())
-        in_column(self._names, (self._nothing, 1), buttons, margins=(9, 6, 9, 9), inside=self)
+        for name, button in self.views.items():
+            button.setCheckable(True)
+            button.clicked.connect(lambda _, name=name: self.look_from(VIEWS[name]))
+        self.live, self.send = ChoiceCheck(texts, "live"), ChoiceCheck(texts, "send_on_release")
+        self.reports(self.live.intent, self.send.intent)
+        below = in_row(self.live, self.send, None, *self.views.values())
+        in_column(self._names, (self._nothing, 1), below, margins=(9, 6, 9, 9), inside=self)
         self.camera = VIEWS["behind"]
         self._drag: Drag | None = None
         self._orbit: QPointF | None = None
@@ -67,6 +66,7 @@ class Head3d(TargetWidget):
         self._live.timeout.connect(lambda: self.intent.emit(LiveHead()))
         self.setMouseTracking(True)
         self.setMinimumSize(160, 130)
+        self.look_from(self.camera)
 
     @property
     def screen3d(self) -> Screen:
@@ -85,10 +85,15 @@ class Head3d(TargetWidget):
 
     def look_from(self, camera: Viewpoint) -> None:
         """Show the head from elsewhere."""
-        if camera != self.camera:
-            self.camera = camera
-            self.moved.emit()
-            self.update()
+        self.camera = camera
+        for name, button in self.views.items():
+            button.setChecked(math.isclose(camera.azimuth, VIEWS[name].azimuth))
+        self.update()
+
+    @property
+    def controls_height(self) -> int:
+        """Height of the controls at the lower edge (px)."""
+        return self.height() - min(control.y() for control in (self.live, *self.views.values()))
 
     def show_view(self, view: HeadView) -> None:
         """Draw the robots and the target; name the robots and a silent one, or say that none is online."""
@@ -102,8 +107,10 @@ class Head3d(TargetWidget):
             silent = f"◌ {self._texts(f'side.{view.solid}')}: {self._texts('condition.silent')}"
             names.append((silent, self._style.bad))
         texts = (f"<span style='color:{colour}'>{text}</span>" for text, colour in names)
-        set_text(self._names, " &nbsp; ".join(texts))
-        set_text(self._nothing, "" if view.shown is not None else self._texts("label.no_head"))
+        self._names.setText(" &nbsp; ".join(texts))
+        for button in self.views.values():
+            button.setVisible(view.shown is not None)
+        self._nothing.setText("" if view.shown is not None else self._texts("label.no_head"))
 
     # Mouse
 
@@ -205,44 +212,3 @@ class Head3d(TargetWidget):
             painter.setOpacity(GHOST)
             painter.drawImage(QPoint(0, 0), ghost(beside, screen, ratio, style.side(other)))
             painter.setOpacity(1.0)
-
-
-class Head3dPanel(Panel):
-    """The head in three dimensions, with the buttons of its views and the choices for dragging."""
-
-    def __init__(self, texts: Texts) -> None:
-        super().__init__()
-        self.head = Head3d(texts)
-        self.views = self.head.views
-        self.live, self.send = ChoiceCheck(texts, "live"), ChoiceCheck(texts, "send_on_release")
-        for name, button in self.views.items():
-            button.setCheckable(True)
-            button.clicked.connect(lambda _, name=name: self._look(name))
-        below = in_row(self.live, self.send, None, margins=(6, 0, 6, 4))
-        in_column((self.head, 1), below, gap=4, margins=NO_MARGINS, inside=self)
-        self.reports(self.live, self.send, self.head)
-        self.head.moved.connect(self._show_camera)
-        self._show_camera()
-
-    @property
-    def controls_height(self) -> int:
-        """Height of the controls at the lower edge (px)."""
-        return self.height() - min(button.y() for button in self.views.values())
-
-    def show_view(self, view: HeadView) -> None:
-        """Show the robots."""
-        self.head.show_view(view)
-        for button in self.views.values():
-            button.setVisible(view.shown is not None)
-
-    def show_theme(self, theme: Theme) -> None:
-        """Use the colours and sizes of a theme."""
-        self.head.show_theme(theme)
-
-    def _look(self, name: str) -> None:
-        self.head.look_from(VIEWS[name])
-        self._show_camera()
-
-    def _show_camera(self) -> None:
-        for name, button in self.views.items():
-            button.setChecked(math.isclose(self.head.camera.azimuth, VIEWS[name].azimuth))

@@ -34,7 +34,6 @@ from gui.window.widgets.controls import (
     named,
     plain_button,
     set_role,
-    set_text,
     show_each,
 )
 
@@ -91,7 +90,7 @@ class RobotMenu(Panel):
         self.intent.emit(intent)
 
     def _ask(self, question: str) -> None:
-        set_text(self.question, f"▲ {question}")
+        self.question.setText(f"▲ {question}")
         self.question.setVisible(bool(question))
 
 
@@ -138,7 +137,7 @@ class Pill(Panel):
         self.more.setFixedWidth(MORE_PX)
         self.more.clicked.connect(lambda: self.menu.open(self.more))
         self._menu_name = texts("label.robot_menu")
-        self.reports(self.menu)
+        self.reports(self.menu.intent)
         words = in_column(in_row(self.title, (self.notes, 1), gap=8), self.state, gap=0)
         parts = words, (self.reason, 1), self.next_step, self.lease, self.more
         in_row(*parts, margins=(6, 2, 6, 2), inside=self)
@@ -151,12 +150,12 @@ class Pill(Panel):
             return
         self._shown = view, emergency
         self.menu.show_view(view.menu if emergency is None else (*view.menu, emergency))
-        set_text(self.title, view.title)
+        self.title.setText(view.title)
         self.more.setAccessibleName(f"{view.title}: {self._menu_name}")
         set_role(self.state, "role", CONDITION_ROLES[view.condition])
-        set_text(self.state, f"{view.symbol} {view.text}")
-        set_text(self.notes, SEPARATOR.join(filter(None, (*view.notes, view.latency))))
-        set_text(self.reason, " ".join(line for line in (view.reason, *view.warnings) if line))
+        self.state.setText(f"{view.symbol} {view.text}")
+        self.notes.setText(SEPARATOR.join(filter(None, (*view.notes, view.latency))))
+        self.reason.setText(" ".join(line for line in (view.reason, *view.warnings) if line))
         lines = [view.reason, *view.warnings, SEPARATOR.join(view.notes), view.details]
         named(self, f"{view.title}: {view.text}", "\n".join(line for line in lines if line))
         buttons = [(self.next_step, view.next_step), (self.lease, view.lease)]
@@ -187,7 +186,7 @@ class Header(Panel):
         self.menu_button = plain_button("≡", texts("tip.menu"), texts("label.menu"))
         self.menu, self.choices = self._menu(texts)
         self.menu_button.clicked.connect(self._open_menu)
-        self.reports(*self.pills.values(), self.record)
+        self.reports(self.record.intent, *(pill.intent for pill in self.pills.values()))
         sim, hw = ((pill, 1) for pill in self.pills.values())
         parts = self.robots, self.page, sim, hw, self.record, self.menu_button
         in_row(*parts, gap=4, margins=NO_MARGINS, inside=self)

@@ -19,7 +19,6 @@ from gui.window.widgets.controls import (
     label,
     plain_button,
     set_role,
-    set_text,
 )
 from gui.window.widgets.files import FilePanel
 
@@ -100,7 +99,7 @@ class HistoryPanel(Panel):
 
     def _show_buttons(self) -> None:
         chosen = self._chosen()
-        set_text(self.details, self._hint if chosen is None else _details(chosen))
+        self.details.setText(self._hint if chosen is None else _details(chosen))
         set_role(self.details, "role", "dim" if chosen is None else "")
         self.repeat.setEnabled(chosen is not None and chosen.row >= 0)
         self.python.setEnabled(chosen is not None and bool(chosen.python))

@@ -23,7 +23,6 @@ from gui.window.widgets.controls import (
     named,
     plain_button,
     set_role,
-    set_text,
     show_each,
 )
 from gui.window.widgets.files import FilePanel
@@ -49,7 +48,7 @@ class Banner(Panel):
     def show_view(self, view: BannerView | None) -> None:
         """Show the banner, or hide it."""
         if view is not None:
-            set_text(self.text, view.text)
+            self.text.setText(view.text)
             for button, shown in zip_longest(self.buttons, view.buttons):
                 button.show_view(shown)
         self.setVisible(view is not None)
@@ -69,7 +68,7 @@ class TroubleNotice(QFrame):
 
     def show_text(self, text: str) -> None:
         """Show an error."""
-        set_text(self.text, f"✕ {text}")
+        self.text.setText(f"✕ {text}")
         self.setAccessibleName(text)
         self.show()
 
@@ -94,7 +93,7 @@ class RefusalNotice(Panel):
         """Show the refusal beside a widget, or hide it."""
         self._beside = beside
         if view is not None:
-            set_text(self.text, f"✕ {view.text}")
+            self.text.setText(f"✕ {view.text}")
             self.setAccessibleName(view.text)
             self.alternative.show_view(view.alternative)
             self.place()
@@ -145,10 +144,10 @@ class RouterPanel(FilePanel):
             self._address = view.address
             self.address.setText(view.address)
             self.address.setCursorPosition(0)
-        set_text(self.state, view.text)
+        self.state.setText(view.text)
         self.state.setToolTip(view.details)
         set_role(self.state, "role", ROLES[view.good])
-        set_text(self.account, view.account)
+        self.account.setText(view.account)
         self.use.show_view(view.use)
         self.join.show_view(view.join)
 
@@ -166,7 +165,7 @@ class ConnectSheet(Sheet):
     def __init__(self, texts: Texts, parent: QWidget) -> None:
         super().__init__(texts("connect.title"), parent, SHEET_PX)
         self.router, self.text = RouterPanel(texts), label(wrap=True)
-        self.reports(self.router)
+        self.reports(self.router.intent)
         self.ports: list[IntentButton] = []
         self._list = in_column(gap=6)
         self.again, self.close_button = self.button(), self.button()
@@ -189,7 +188,7 @@ class ConnectSheet(Sheet):
             self.hide()
             return
         self.router.show_view(view.router)
-        set_text(self.text, view.text)
+        self.text.setText(view.text)
         self.text.setToolTip(view.details)
         show_each(view.ports, self.ports, self._port)
         self.again.show_view(view.again if view.ports else None)

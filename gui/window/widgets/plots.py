@@ -21,7 +21,7 @@ from gui.console.state.intents import Theme
 from gui.console.state.world import World
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import NO_MARGINS, in_column, in_row, label, plain_button, set_text, spaced
+from gui.window.widgets.controls import NO_MARGINS, in_column, in_row, label, plain_button, spaced
 from gui.window.widgets.files import FilePanel
 from gui.window.widgets.plot_curves import Curves
 from gui.window.widgets.plot_samples import (
@@ -236,7 +236,7 @@ class PlotsPanel(FilePanel):
             if self._shown(name):
                 curves.draw(shown, self._cursor_s)
         at_s = self._cursor_s
-        set_text(self.time, "" if at_s is None else self._texts("plot.time", seconds=at_s))
+        self.time.setText("" if at_s is None else self._texts("plot.time", seconds=at_s))
 
     # -- what is shown ------------------------------------------------------------------------------
 

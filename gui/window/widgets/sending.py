@@ -18,7 +18,6 @@ from gui.window.widgets.controls import (
     label,
     named,
     set_role,
-    set_text,
 )
 from gui.window.widgets.number_box import NumberBox
 
@@ -41,7 +40,7 @@ class SendingPanel(Panel):
         self.lead.setSingleStep(0.5)
         self.lead.setAccessibleName(f"{texts('label.lead')} (s)")
         self.lead.valueChanged.connect(lambda seconds: self.intent.emit(Choose("lead_s", seconds)))
-        self.reports(self.sim, self.hw)
+        self.reports(self.sim.intent, self.hw.intent)
         self.send = self.button(main=True)
         self.title, self.text = label(role="large"), label(wrap=True)
         self.progress = QProgressBar()
@@ -79,10 +78,10 @@ class SendingPanel(Panel):
                 self.lead.setValue(lead_s)
         self.lead.setToolTip(self._texts("tip.lead" if view.lead_matters else "tip.lead_one"))
         set_role(self.lead_name, "role", "" if view.lead_matters else "dim")
-        set_text(self.title, view.countdown or view.title)
+        self.title.setText(view.countdown or view.title)
         set_role(self.title, "role", "hw" if view.countdown else "large")
         self.title.setToolTip(view.text)
-        set_text(self.text, view.text)
+        self.text.setText(view.text)
         self.progress.setVisible(view.progress is not None)
         self.progress.setValue(round(1000 * (view.progress or 0.0)))
         self.send_now.show_view(view.send_now)
@@ -149,7 +148,7 @@ class StopBar(QPushButton):
     def show_last(self, text: str) -> None:
         """Show the last request with its outcome, unless EMERGENCY_STOP asks its question there."""
         self._last = text
-        set_text(self.last, f"▲ {self._question}" if self._question else text)
+        self.last.setText(f"▲ {self._question}" if self._question else text)
 
     def _ask(self, question: str) -> None:
         self._question = question
@@ -161,7 +160,7 @@ class StopBar(QPushButton):
         self.last.setToolTip(view.last_detail)
         # On the page of the robot it is in the menus of the pills.
         self.emergency.show_view(view.emergency if view.choices.page is WindowPage.CLASS else None)
-        set_text(self.word, stop.text)
+        self.word.setText(stop.text)
         named(self, stop.text, stop.tooltip)
 
     def stop(self) -> None:

@@ -209,7 +209,7 @@ class SequencePanel(FilePanel):
         self._connect()
 
     def _connect(self) -> None:
-        self.reports(self.loop)
+        self.reports(self.loop.intent)
         self.delete.clicked.connect(lambda: self._about(intents.DeletePose))
         self.strip.currentRowChanged.connect(self._show_chosen)
         self.strip.used.connect(self._aim)

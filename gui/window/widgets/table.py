@@ -14,7 +14,7 @@ from gui.console.state.intents import Theme
 from gui.console.state.lessons import SYMBOLS, LessonRowView, LessonsView, Progress
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import in_column, label, set_text
+from gui.window.widgets.controls import in_column, label
 
 CENTRE = int(Qt.AlignmentFlag.AlignHCenter | Qt.AlignmentFlag.AlignVCenter)
 
@@ -131,8 +131,8 @@ class LessonsTable(QFrame):
         if view == self._view:
             return
         old, self._view = self._view, view
-        set_text(self.empty, view.empty)
-        set_text(self.notice, view.notice)
+        self.empty.setText(view.empty)
+        self.notice.setText(view.notice)
         self.empty.setVisible(not view.rows)
         self.notice.setVisible(bool(view.notice))
         self.list.setVisible(bool(view.rows))
