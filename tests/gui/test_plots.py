@@ -242,4 +242,6 @@ def test_the_memory_of_the_samples_is_bounded() -> None:
     history = History()
     for tick in range(10_000):
         history.add(tick / 50, (tick, 0, 0))
-    assert history.samples[:, 1].tolist() == list(range(10_000 - CAPACITY, 10_000)), "the newest, in order"
+    assert history.samples(0.0)[:, 1].tolist() == list(range(10_000 - CAPACITY, 10_000)), (
+        "the newest, in order"
+    )

@@ -92,14 +92,12 @@ class ArmRow:
             colour = colours.hexadecimal(colours.ARMS[arm])
             self.title.setStyleSheet(f"border-left: 4px solid {colour}; padding-left: 4px")
         self.minus, self.plus = HoldButton(arm, -1), HoldButton(arm, +1)
-        self.sim, self.hw = label(role="sim"), label(role="hw")
+        self.sim, self.hw = label(role="sim", right=True), label(role="hw", right=True)
         for column, widget in enumerate((self.title, self.minus, self.plus, self.sim, self.hw)):
             grid.addWidget(widget, row, column)
         for button in (self.minus, self.plus):
             button.setProperty("jog", True)  # noqa: FBT003
             button.setMinimumWidth(34)
-        for value in (self.sim, self.hw):
-            value.setAlignment(RIGHT)
 
     def show_view(self, view: ArmRowView) -> None:
         """Show the angles."""

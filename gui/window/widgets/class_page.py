@@ -66,8 +66,6 @@ class ClassPage(Panel):
             NameBox(),
             self.button(),
         )
-        self.seats.setSizeAdjustPolicy(NameBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
-        self.seats.setMinimumContentsLength(10)
         self.seats.setAccessibleName(self.seat_label.text())
         self.seats.currentIndexChanged.connect(lambda *_: self._show_seat())
         self._lay_out(texts)

@@ -36,6 +36,7 @@ ARMED_MS = 6000
 
 
 NO_MARGINS = 0, 0, 0, 0
+LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
 Margins = tuple[int, int, int, int]
 Part = QWidget | QLayout | tuple[QWidget | QLayout, int] | None
@@ -243,10 +244,11 @@ class ChoiceCheck(QCheckBox):
 
 
 class NameBox(QComboBox):
-    """A choice of names; its list is as wide as the style sheet says, and scrolls."""
+    """A choice of names; it and its list are as wide as the style sheet says, and the list scrolls."""
 
     def __init__(self) -> None:
         super().__init__()
+        self.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
         self.view().setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAsNeeded)
 
     def minimumSizeHint(self) -> QSize:  # noqa: N802 - Qt's own remains that of longer names that were shown before
@@ -260,7 +262,6 @@ class SliderBox(QWidget):
 
     def __init__(self, texts: Texts, name: str, *, least: float) -> None:
         super().__init__()
-        self._value = self._maximum = -1.0
         title, unit = texts(f"label.{name}"), texts(f"label.{name}_unit")
         self.slider = QSlider(Qt.Orientation.Horizontal)
         self.slider.setMinimum(round(least * STEPS))
@@ -280,9 +281,8 @@ class SliderBox(QWidget):
 
     def show_value(self, value: float, maximum: float) -> None:
         """Show the number with its maximum."""
-        if (value, maximum) == (self._value, self._maximum):
-            return
-        self._value, self._maximum = value, maximum
+        if (round(value, 1), maximum) == (self.box.value(), self.box.maximum()):
+            return  # else it would replace what the user is typing
         with QSignalBlocker(self.slider), QSignalBlocker(self.box):
             self.slider.setMaximum(round(maximum * STEPS))
             self.slider.setValue(round(value * STEPS))
@@ -309,12 +309,13 @@ class ElidedLabel(QLabel):
         self.setToolTip("" if shown == self.text() else self.text())
         painter = QPainter(self)
         painter.setPen(self.palette().color(self.palette().WindowText))
-        painter.drawText(self.rect(), int(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter), shown)
+        painter.drawText(self.rect(), int(LEFT), shown)
 
 
-def label(text: str = "", role: str = "", *, wrap: bool = False) -> QLabel:
-    """Return a label in one of the style sheet's roles."""
+def label(text: str = "", role: str = "", *, wrap: bool = False, right: bool = False) -> QLabel:
+    """Return a label in one of the style sheet's roles, whose text wraps or stands at the right."""
     result = QLabel(text)
+    result.setAlignment(RIGHT if right else LEFT)
     result.setProperty("role", role)
     result.setWordWrap(wrap)
     result.setTextFormat(Qt.TextFormat.PlainText)

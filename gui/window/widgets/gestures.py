@@ -10,7 +10,7 @@ from PyQt5.QtSvg import QSvgRenderer
 from PyQt5.QtWidgets import QGridLayout, QSizePolicy, QToolButton
 
 from beatrix_zenoh.client.choreography import GESTURES
-from gui.console.state.intents import Theme
+from gui.console.state.intents import Intent, Theme
 from gui.console.state.views import ButtonView, GesturesView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
@@ -31,18 +31,14 @@ class PictureButton(QToolButton):
     def __init__(self, picture: str) -> None:
         super().__init__()
         self._picture = picture
-        self._view: ButtonView | None = None
+        self._intent: Intent | None = None
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
-        self.clicked.connect(self._press)
-
-    def _press(self) -> None:
-        if self._view is not None:
-            self.intent.emit(self._view.intent)
+        self.clicked.connect(lambda: self.intent.emit(self._intent))
 
     def show_view(self, view: ButtonView) -> None:
         """Show the view's text, and enable or disable the button."""
-        self._view = view
+        self._intent = view.intent
         self.setText(view.text.replace("&", "&&"))
         self.setToolTip(f"{view.text}: {view.tooltip}")
         self.setAccessibleName(view.text)

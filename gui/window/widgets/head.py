@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from PyQt5.QtCore import QPointF, QRectF, Qt
 from PyQt5.QtGui import QBrush, QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPolygonF, QResizeEvent
-from PyQt5.QtWidgets import QBoxLayout, QGridLayout, QLabel, QSizePolicy
+from PyQt5.QtWidgets import QBoxLayout, QGridLayout, QSizePolicy
 
 from gui.console.state.intents import AimHead, HeadOrientation, Theme
 from gui.console.state.views import HeadView
@@ -270,8 +270,12 @@ class HeadPanel(Panel):
         super().__init__("panel")
         self._texts = texts
         self.pad = HeadPad(texts)
-        self.numbers = {(name, axis): self._right(role) for name, role in COLUMNS.items() for axis in AXES}
-        self._names = {name: self._right(role) for name, role in COLUMNS.items()}
+        self.numbers = {
+            (name, axis): label(role=role, right=True) for name, role in COLUMNS.items() for axis in AXES
+        }
+        self._names = {name: label(role=role, right=True) for name, role in COLUMNS.items()}
+        for number in self.numbers.values():
+            number.setProperty("figure", True)  # noqa: FBT003 - a constant width while the head moves
         self.reports(self.pad.intent)
         grid = spaced(QGridLayout(), 1)
         grid.setHorizontalSpacing(4)
@@ -287,13 +291,6 @@ class HeadPanel(Panel):
         self._layout = in_column(
             (self.pad, 1), in_column(None, grid), gap=4, margins=(6, 6, 6, 6), inside=self
         )
-
-    @staticmethod
-    def _right(role: str) -> QLabel:
-        made = label(role=role)
-        made.setAlignment(RIGHT | Qt.AlignmentFlag.AlignVCenter)
-        made.setProperty("figure", True)  # noqa: FBT003 - a constant width while the head moves
-        return made
 
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
         """Put the numbers below the pad or, in a wide panel, beside it, where only their symbols have room."""

@@ -116,15 +116,14 @@ class Head3d(TargetWidget):
 
     def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802
         at, view = event.localPos(), self._view
-        part = None
-        if event.button() == Qt.MouseButton.LeftButton and view is not None:
-            part = grabbed(self.screen3d, view, at.x(), at.y())
+        left = event.button() == Qt.MouseButton.LeftButton
+        part = grabbed(self.screen3d, view, at.x(), at.y()) if left and view is not None else None
         if part is not None and view is not None:
             self._drag = Drag(self.screen3d, view.target, part, at.x(), at.y())
             self.setCursor(Qt.CursorShape.ClosedHandCursor)
             self.intent.emit(GrabHead())
             self.update()
-        elif event.button() in {Qt.MouseButton.LeftButton, Qt.MouseButton.RightButton}:
+        elif left or event.button() == Qt.MouseButton.RightButton:
             self._orbit = at
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:  # noqa: N802

@@ -56,7 +56,7 @@ def apart(one: HeadOrientation | None, other: HeadOrientation | None) -> bool:
     """Return whether two heads are drawn separately."""
     if one is None or other is None:
         return True
-    return max(abs(one.yaw - other.yaw), abs(one.pitch - other.pitch), abs(one.roll - other.roll)) > NEAR_DEG
+    return any(abs(a - b) > NEAR_DEG for a, b in zip(one.tenths, other.tenths, strict=True))
 
 
 # -- the robots -------------------------------------------------------------------------------------

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from PyQt5.QtCore import QPoint, QSignalBlocker, Qt, pyqtSignal
-from PyQt5.QtGui import QKeyEvent
 from PyQt5.QtWidgets import (
-    QAbstractButton,
     QAction,
     QActionGroup,
     QLayout,
@@ -19,7 +17,6 @@ from gui.console.state.actions import ChooseRobot, LookForPorts
 from gui.console.state.intents import Choose, EmergencyStop, Intent, Theme, WindowPage
 from gui.console.state.views import ButtonView, PillView, RecordView, View
 from gui.console.texts import LANGUAGES, Texts
-from gui.window.keys import SEND_KEYS
 from gui.window.theme import CONDITION_ROLES
 from gui.window.widgets.controls import (
     NO_MARGINS,
@@ -61,6 +58,7 @@ class RobotMenu(Panel):
     def _button(self, view: ButtonView) -> IntentButton:
         button = IntentButton()
         button.setMinimumWidth(MENU_PX)
+        button.setAutoDefault(True)  # Enter presses it; Space is STOP
         if isinstance(view.intent, EmergencyStop):
             button.setObjectName("emergency")
         button.intent.connect(self._choose)
@@ -77,14 +75,6 @@ class RobotMenu(Panel):
         if self.buttons:
             self.buttons[0].setFocus()
 
-    def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802
-        """Press the focused button with Enter, as in the window; Space is STOP."""
-        focus = self.focusWidget()
-        if event.key() in SEND_KEYS and isinstance(focus, QAbstractButton):
-            focus.click()
-        else:
-            super().keyPressEvent(event)
-
     def _choose(self, intent: Intent) -> None:
         self.close()
         self.intent.emit(intent)
@@ -95,8 +85,6 @@ class RobotMenu(Panel):
 
 
 MORE_PX = 24
-ROBOT_PX = 160
-"""Largest width of the box with the robot: a name of 32 letters must not take the room of the pills."""
 ROBOTS_SHOWN = 16
 """Robots in the open list; further ones are reached by its scroll bar, or by typing the first letters of a name."""
 
@@ -175,9 +163,6 @@ class Header(Panel):
         self._robots: tuple[str, ...] = ()
         self._tip = texts("tip.robot")
         self.robots = named(NameBox(), texts("label.robot"), self._tip)
-        self.robots.setSizeAdjustPolicy(NameBox.SizeAdjustPolicy.AdjustToContents)
-        self.robots.setMinimumWidth(70)
-        self.robots.setMaximumWidth(ROBOT_PX)
         self.robots.setMaxVisibleItems(ROBOTS_SHOWN)
         self.robots.textActivated.connect(lambda name: self.intent.emit(ChooseRobot(name)))
         self.pills = {side: Pill(side, texts) for side in SIDES}

@@ -117,8 +117,6 @@ class RefusalNotice(Panel):
 SHEET_PX = 900
 GAP_PX = 28
 """Space between router and hardware, which stand side by side: a low window has no room for one below the other."""
-ROLES = {None: "", True: "good", False: "bad"}
-"""Role of the state of the router."""
 
 
 class RouterPanel(FilePanel):
@@ -146,7 +144,7 @@ class RouterPanel(FilePanel):
             self.address.setCursorPosition(0)
         self.state.setText(view.text)
         self.state.setToolTip(view.details)
-        set_role(self.state, "role", ROLES[view.good])
+        set_role(self.state, "role", "" if view.good is None else "good" if view.good else "bad")
         self.account.setText(view.account)
         self.use.show_view(view.use)
         self.join.show_view(view.join)

@@ -26,9 +26,6 @@ class NumberBox(QDoubleSpinBox):
         self._texts = texts
         self.says = QLabel(self, Qt.WindowType.ToolTip)  # QToolTip hides when the focus or the pointer moves
         self.says.setProperty("role", "tooltip")
-        self._shown = QTimer(self)
-        self._shown.setSingleShot(True)
-        self._shown.timeout.connect(self.says.hide)
         self.setDecimals(1)
         self.setMinimum(least)
         self.setSuffix(unit)
@@ -71,7 +68,7 @@ class NumberBox(QDoubleSpinBox):
             self.says.adjustSize()
             self.says.move(self.mapToGlobal(self.rect().bottomLeft()))
             self.says.show()
-            self._shown.start(SHOWN_MS)
+            QTimer.singleShot(SHOWN_MS, self.says.hide)
         return nearest
 
     def _typed(self, text: str | None) -> str:

@@ -34,10 +34,11 @@ class History:
         self._columns = [*columns]
         self._count, self._last_s = 0, -math.inf
 
-    @property
-    def samples(self) -> Samples:
-        """A copy of all samples, oldest first."""
-        return np.roll(self._rows, -self._count, axis=0)[CAPACITY - min(self._count, CAPACITY) :]
+    def samples(self, now_s: float) -> Samples:
+        """Return all samples, oldest first, with times before now."""
+        kept = np.roll(self._rows, -self._count, axis=0)[CAPACITY - min(self._count, CAPACITY) :]
+        kept[:, 0] -= now_s
+        return kept
 
     def forget(self, column: str) -> None:
         """Clear a column, whose values from now on are another quantity."""

@@ -58,11 +58,6 @@ LOW: Final = 20
 """Height of the panel, in lines of text, below which the plots stand in two columns."""
 
 
-def described(text: str, tooltip: str) -> QPushButton:
-    """Return a button whose text is too short to be its name."""
-    return plain_button(text, tooltip, tooltip)
-
-
 class PlotsPanel(FilePanel):
     """A plot for each arm, thin for the simulation and wide for the hardware, and one of their difference.
 
@@ -117,13 +112,12 @@ class PlotsPanel(FilePanel):
     def _bar(self, texts: Texts) -> QWidget:
         """Return the buttons above the plots."""
         self.spans = {
-            seconds: described(f"{seconds} s", texts("tip.plot_span", seconds=str(seconds)))
-            for seconds in SPANS
+            seconds: self._button(f"{seconds} s", "plot_span", seconds=str(seconds)) for seconds in SPANS
         }
         for seconds, button in self.spans.items():
             button.setCheckable(True)
             button.clicked.connect(lambda _, seconds=seconds: self.show_span(seconds))
-        self.hold = described(texts("plot.pause"), texts("tip.plot_pause"))
+        self.hold = self._button(texts("plot.pause"), "plot_pause")
         self.hold.setCheckable(True)
         self.hold.clicked.connect(self.pause)
         self.menu = QMenu(self)
@@ -138,12 +132,12 @@ class PlotsPanel(FilePanel):
         self.menu.addSeparator()
         self.values = self.menu.addMenu(texts("plot.values"))
         """the values of the robots, in groups; `_offer` fills it"""
-        curves = described(f"{texts('plot.curves')} ▾", texts("tip.plot_curves"))
+        curves = self._button(f"{texts('plot.curves')} ▾", "plot_curves")
         # Without blocking the window, as `setMenu` would.
         curves.clicked.connect(lambda: self.menu.popup(curves.mapToGlobal(curves.rect().bottomLeft())))
         self.time = label(role="dim")
         """time at the cursor"""
-        self.csv, self.png = (described(kind.upper(), texts(f"tip.plot_{kind}")) for kind in ("csv", "png"))
+        self.csv, self.png = (self._button(kind.upper(), f"plot_{kind}") for kind in ("csv", "png"))
         self.csv.clicked.connect(self._export_table)
         self.png.clicked.connect(self._export_picture)
         short, middle, long = self.spans.values()
@@ -151,6 +145,11 @@ class PlotsPanel(FilePanel):
         bar = QWidget()
         in_row(*parts, gap=4, margins=(4, 4, 4, 0), inside=bar)
         return bar
+
+    def _button(self, text: str, tip: str, **slots: str) -> QPushButton:
+        """Return a button whose tooltip is also its name, because its text is too short."""
+        tooltip = self._texts(f"tip.{tip}", **slots)
+        return plain_button(text, tooltip, tooltip)
 
     @staticmethod
     def _choice(menu: QMenu, text: str, do: Callable[[bool], None], *, on: bool = True) -> QAction:
@@ -219,10 +218,7 @@ class PlotsPanel(FilePanel):
         return {side: rows if self._chosen(side) else rows[:0] for side, rows in found.items()}
 
     def _present(self) -> dict[str, Samples]:
-        found = {side: history.samples for side, history in self._histories.items()}
-        for rows in found.values():
-            rows[:, 0] -= self._now_s
-        return found
+        return {side: history.samples(self._now_s) for side, history in self._histories.items()}
 
     def _draw(self) -> None:
         samples = self._samples()

@@ -123,7 +123,6 @@ class StopBar(QPushButton):
     def __init__(self, texts: Texts) -> None:
         super().__init__()
         self._view: View | None = None
-        self._last = self._question = ""
         self.emergency = IntentButton()
         """within this button, so that a press beside it is STOP"""
         self.emergency.setObjectName("emergency")
@@ -147,12 +146,11 @@ class StopBar(QPushButton):
 
     def show_last(self, text: str) -> None:
         """Show the last request with its outcome, unless EMERGENCY_STOP asks its question there."""
-        self._last = text
-        self.last.setText(f"▲ {self._question}" if self._question else text)
+        if not self.emergency.property("armed"):
+            self.last.setText(text)
 
     def _ask(self, question: str) -> None:
-        self._question = question
-        self.show_last(self._last)
+        self.last.setText(f"▲ {question}" if question else "")  # until the next view
 
     def show_view(self, view: View) -> None:
         """Show the texts of both buttons."""

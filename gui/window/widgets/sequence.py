@@ -69,32 +69,33 @@ class Strip(QListWidget):
 
     def show_cards(self, cards: tuple[CardView, ...], current: int, played: int = -1) -> None:
         """Show the cards; numbers of the selected one and of the one that is being played (-1: none)."""
+        if (cards, played) != (self.cards, self._played):
+            self.cards, self._played = cards, played
+            self._fill()
         with QSignalBlocker(self):
-            if (cards, played) != (self.cards, self._played):
-                self.cards, self._played = cards, played
-                self._fill()
             self.setCurrentRow(current)
         self.scrollTo(self.model().index(played if played >= 0 else current, 0))
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
-        current, self._style = self.currentRow(), style_of(theme)
+        self._style = style_of(theme)
         self.setGridSize(QSize(self._style.px(WIDTH_PX), self._style.px(HEIGHT_PX)))
         self.setIconSize(QSize(self._style.px(PICTURE_PX), self._style.px(PICTURE_PX)))
-        with QSignalBlocker(self):
-            self._fill()
-            self.setCurrentRow(current)
+        self._fill()
 
     def _fill(self) -> None:
-        self._pressed, self._drop = None, None
-        self.clear()
-        for number, card in enumerate(self.cards):
-            mark = "▸" if number == self._played else ""
-            item = QListWidgetItem(self._icon(card), f"{mark}{card.name}\n{card.duration}")
-            item.setToolTip("\n".join(filter(None, (f"{card.name}, {card.duration}", card.problem))))
-            if card.problem:
-                item.setForeground(QColor(self._style.bad))
-            self.addItem(item)
+        """Make all cards; the selected place stays selected."""
+        current, self._pressed, self._drop = self.currentRow(), None, None
+        with QSignalBlocker(self):
+            self.clear()
+            for number, card in enumerate(self.cards):
+                mark = "▸" if number == self._played else ""
+                item = QListWidgetItem(self._icon(card), f"{mark}{card.name}\n{card.duration}")
+                item.setToolTip("\n".join(filter(None, (f"{card.name}, {card.duration}", card.problem))))
+                if card.problem:
+                    item.setForeground(QColor(self._style.bad))
+                self.addItem(item)
+            self.setCurrentRow(current)
 
     def _icon(self, card: CardView) -> QIcon:
         if card.head is None:
@@ -175,8 +176,6 @@ class SequencePanel(FilePanel):
     def __init__(self, texts: Texts) -> None:
         super().__init__(texts)
         self._view: SequenceView | None = None
-        self._shown: tuple[str, float] | None = None
-        """the selected pose that the number box shows, and its duration (s)"""
         self.strip = Strip(texts("label.sequence"), texts("label.sequence_empty"))
         self.name = named(QLineEdit(), texts("label.pose_name"), texts("tip.pose_name"))
         self.name.setMaxLength(NAME_LONGEST)
@@ -285,10 +284,9 @@ class SequencePanel(FilePanel):
         with QSignalBlocker(self.name), QSignalBlocker(self.duration):
             if not self.name.hasFocus() or card is None or not self.name.isModified():
                 self.name.setText("" if card is None else card.name)
-            shown = None if card is None else (card.name, card.duration_s)
-            if card is not None and shown != self._shown:  # else it would replace what the user is typing
-                self.duration.setValue(card.duration_s)
-            self._shown = shown
+            duration_s = self.duration.value() if card is None else round(card.duration_s, 1)
+            if duration_s != self.duration.value():  # else it would replace what the user is typing
+                self.duration.setValue(duration_s)
 
     # -- what the user does -------------------------------------------------------------------------
 
