@@ -30,7 +30,6 @@ NUMBERS = ("turn", "rate", "age")
 """Columns of numbers, whose headings have a tooltip."""
 WIDE = ("driver", "waiting", "remarks")
 """Columns that share the width which the others do not need."""
-LIMIT_PX = 70
 LARGE = ("robot", "side", "state", "driver", "turn", "waiting")
 """Columns in large type, for a projector."""
 LARGE_WIDTH, LARGE_LINE, LARGEST = 60, 1.7, 16
@@ -53,6 +52,7 @@ class ClassPage(Panel):
         self.freeze_all, self.unfreeze_all = self.button(main=True), self.button()
         self.limit_now = label()
         self.limit, self.set_limit = QLineEdit(), IntentButton()
+        self.limit.setObjectName("limit")
         self.limit.setAccessibleName(texts("label.class_limit"))
         self.limit.returnPressed.connect(self._report_limit)
         self.set_limit.intent.connect(self._report_limit)
@@ -108,7 +108,6 @@ class ClassPage(Panel):
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
         self._style = style_of(theme)
-        self.limit.setFixedWidth(self._style.px(LIMIT_PX))
         self.lessons.show_theme(theme)
         if self._view is not None:
             self._show_rows(self._view.rows)
@@ -150,8 +149,7 @@ class ClassPage(Panel):
         self.list.setVisible(bool(view.rows))
         set_role(self.result, "role", {True: "good", False: "bad", None: "dim"}[view.good])
         self.result.setText(view.result)
-        if old is None or old.rows != view.rows:
-            self._show_rows(view.rows)
+        self._show_rows(view.rows)
         self._show_selected()
         self.tabs.setTabText(1, view.lessons.title)
         self.lessons.show_view(view.lessons)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from importlib import resources
 
-from PyQt5.QtCore import QByteArray, QSize, Qt, pyqtSignal
-from PyQt5.QtGui import QIcon, QPainter, QPixmap, QResizeEvent
+from PyQt5.QtCore import QByteArray, QRectF, QSize, Qt, pyqtSignal
+from PyQt5.QtGui import QIcon, QPixmap, QResizeEvent
 from PyQt5.QtSvg import QSvgRenderer
 from PyQt5.QtWidgets import QGridLayout, QSizePolicy, QToolButton
 
@@ -15,6 +15,7 @@ from gui.console.state.views import ButtonView, GesturesView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
 from gui.window.widgets.controls import ElidedLabel, Panel, set_role, spaced
+from gui.window.widgets.head3d_paint import painted
 
 PICTURE_PX = 26
 """Side of a picture at scale 1."""
@@ -62,13 +63,9 @@ def drawn(name: str, side: int, ratio: float, colours: tuple[str, str, str]) -> 
     text = resources.files(__package__).joinpath("pictures", f"{name}.svg").read_text(encoding="utf-8")
     for variable, colour in zip(("currentColor", "var(--face)", "var(--mark)"), colours, strict=True):
         text = text.replace(variable, colour)
-    pixmap = QPixmap(round(side * ratio), round(side * ratio))
-    pixmap.fill(Qt.GlobalColor.transparent)
-    painter = QPainter(pixmap)
-    QSvgRenderer(QByteArray(text.encode())).render(painter)
-    painter.end()
-    pixmap.setDevicePixelRatio(ratio)
-    return pixmap
+    with painted(side, side, ratio) as (image, painter):
+        QSvgRenderer(QByteArray(text.encode())).render(painter, QRectF(0, 0, side, side))
+    return QPixmap.fromImage(image)
 
 
 class GesturesPanel(Panel):

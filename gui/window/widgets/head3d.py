@@ -169,8 +169,7 @@ class Head3d(TargetWidget):
     def _hover(self, part: Part | None) -> None:
         if part is not self._over:
             self._over = part
-            shape = Qt.CursorShape.OpenHandCursor if part else Qt.CursorShape.ArrowCursor
-            self.setCursor(shape)
+            self.setCursor(Qt.CursorShape.OpenHandCursor if part else Qt.CursorShape.ArrowCursor)
             self.update()
 
     def hideEvent(self, event: object) -> None:  # noqa: N802, ARG002

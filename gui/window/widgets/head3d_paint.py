@@ -10,7 +10,7 @@ from functools import cache, lru_cache
 from typing import Final
 
 import numpy as np
-from PyQt5.QtCore import QPointF, QRectF, Qt
+from PyQt5.QtCore import QPointF, QRectF, QSizeF, Qt
 from PyQt5.QtGui import QBrush, QColor, QImage, QPainter, QPen, QPolygonF
 
 from beatrix_zenoh.body.figure import Figure, meshes
@@ -65,7 +65,7 @@ def apart(one: HeadOrientation | None, other: HeadOrientation | None) -> bool:
 @lru_cache(maxsize=4)
 def robot(head: HeadOrientation, screen: Screen, ratio: float, style: Style, *, silent: bool) -> QImage:
     """Return the robot with a ring below it and an arrow ahead, grey if it is silent; kept while it rests."""
-    with painted(screen, ratio) as (image, painter):
+    with painted(screen.width, screen.height, ratio) as (image, painter):
         turn = np.linspace(0.0, math.tau, 49)
         for radius, width in ((RING, 2.0), (RING * 1.25, 1.0)):
             draw_lines(painter, style.line, width)
@@ -82,7 +82,7 @@ def robot(head: HeadOrientation, screen: Screen, ratio: float, style: Style, *, 
 @lru_cache(maxsize=2)
 def ghost(head: HeadOrientation, screen: Screen, ratio: float, tint: str) -> QImage:
     """Return head and arms, tinted with a colour."""
-    with painted(screen, ratio) as (image, painter):
+    with painted(screen.width, screen.height, ratio) as (image, painter):
         shown = tuple(mesh for mesh in meshes(_figure()) if mesh.body != "base")
         _paint_faces(painter, head, screen, shown, (tint, TINT))
     return image
@@ -92,18 +92,17 @@ def ghost(head: HeadOrientation, screen: Screen, ratio: float, tint: str) -> QIm
 def portrait(head: HeadOrientation, side: int, ratio: float) -> QImage:
     """Return the head alone from the front in a square of this side (px), but with the robot's left at the left."""
     screen = Screen(Viewpoint(0.0, zoom=PORTRAIT_ZOOM, height=SKULL[2] - 0.01), side, side)
-    with painted(screen, ratio) as (image, painter):
+    with painted(screen.width, screen.height, ratio) as (image, painter):
         shown = tuple(mesh for mesh in meshes(_figure()) if mesh.body == "head")
         _paint_faces(painter, head, screen, shown, None)
     return image.mirrored(horizontal=True, vertical=False)
 
 
 @contextmanager
-def painted(screen: Screen, ratio: float) -> Iterator[tuple[QImage, QPainter]]:
-    """Yield a transparent picture for a display with this ratio of pixels, and a painter for it."""
-    image = QImage(
-        round(screen.width * ratio), round(screen.height * ratio), QImage.Format.Format_ARGB32_Premultiplied
-    )
+def painted(width: float, height: float, ratio: float) -> Iterator[tuple[QImage, QPainter]]:
+    """Yield a transparent picture of this size (px) for a display with this ratio of pixels, and a painter for it."""
+    size = QSizeF(width * ratio, height * ratio).toSize()
+    image = QImage(size, QImage.Format.Format_ARGB32_Premultiplied)
     image.setDevicePixelRatio(ratio)
     image.fill(Qt.GlobalColor.transparent)
     painter = QPainter(image)

@@ -120,11 +120,11 @@ class Pill(Panel):
         self.reason.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.next_step, self.lease = self.button(), self.button()
         self.next_step.setProperty("next_step", True)  # noqa: FBT003
-        self.menu, self.more = RobotMenu(self), plain_button("⋮", texts("tip.robot_menu"))
+        name = f"{texts(f'label.{side}')}: {texts('label.robot_menu')}"
+        self.menu, self.more = RobotMenu(self), plain_button("⋮", texts("tip.robot_menu"), name)
         self.more.setProperty("jog", True)  # noqa: FBT003
         self.more.setFixedWidth(MORE_PX)
         self.more.clicked.connect(lambda: self.menu.open(self.more))
-        self._menu_name = texts("label.robot_menu")
         self.reports(self.menu.intent)
         words = in_column(in_row(self.title, (self.notes, 1), gap=8), self.state, gap=0)
         parts = words, (self.reason, 1), self.next_step, self.lease, self.more
@@ -139,7 +139,6 @@ class Pill(Panel):
         self._shown = view, emergency
         self.menu.show_view(view.menu if emergency is None else (*view.menu, emergency))
         self.title.setText(view.title)
-        self.more.setAccessibleName(f"{view.title}: {self._menu_name}")
         set_role(self.state, "role", CONDITION_ROLES[view.condition])
         self.state.setText(f"{view.symbol} {view.text}")
         self.notes.setText(SEPARATOR.join(filter(None, (*view.notes, view.latency))))
@@ -213,8 +212,7 @@ class Header(Panel):
                 self._robots = robots
                 self.robots.clear()
                 self.robots.addItems(list(robots))
-            if self.robots.currentText() != view.robot:
-                self.robots.setCurrentText(view.robot)
+            self.robots.setCurrentText(view.robot)
         self.robots.setToolTip(f"{view.robot}\n{self._tip}")
         emergency = view.emergency if view.choices.page is WindowPage.ROBOT else None
         for pill in view.pills:

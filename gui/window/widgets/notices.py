@@ -6,7 +6,7 @@ from collections.abc import Callable
 from itertools import zip_longest
 
 from PyQt5.QtCore import QPoint, QRect
-from PyQt5.QtWidgets import QFileDialog, QFrame, QLineEdit, QSizePolicy, QWidget
+from PyQt5.QtWidgets import QFileDialog, QLineEdit, QSizePolicy, QWidget
 
 from gui.console.state.actions import UseAccount, UseRouter
 from gui.console.state.intents import DismissRefusal
@@ -54,12 +54,11 @@ class Banner(Panel):
         self.setVisible(view is not None)
 
 
-class TroubleNotice(QFrame):
+class TroubleNotice(Panel):
     """A line below the panels, until the user closes it."""
 
     def __init__(self, texts: Texts) -> None:
-        super().__init__()
-        self.setProperty("notice", True)  # noqa: FBT003
+        super().__init__("notice")
         self.text = label(wrap=True)
         self.close_button = plain_button(texts("label.dismiss"), texts("tip.dismiss"))
         self.close_button.clicked.connect(self.hide)
@@ -172,7 +171,6 @@ class ConnectSheet(Sheet):
         columns = in_row((self.router, 1), (hardware, 1), gap=GAP_PX)
         buttons = in_row(self.again, None, self.close_button)
         in_column(columns, buttons, gap=12, margins=(20, 14, 20, 14), inside=self)
-        self.hide()
 
     def _port(self, _view: ButtonView) -> IntentButton:
         button = self.button()
