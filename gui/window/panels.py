@@ -23,7 +23,7 @@ from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, filled, 
 from gui.window.widgets.eyes import EyesPanel
 from gui.window.widgets.gestures import GesturesPanel
 from gui.window.widgets.head import HeadPanel
-from gui.window.widgets.head3d import Head3dPanel
+from gui.window.widgets.head3d import Head3d
 from gui.window.widgets.header import Header
 from gui.window.widgets.history import CodePanel, HistoryPanel
 from gui.window.widgets.notices import Banner, ConnectSheet, RefusalNotice, TroubleNotice
@@ -82,7 +82,7 @@ class Panels(QWidget):
         self.banner = self._add(Banner(), lambda view: view.banner)
         self.guide = self._add(Banner(quiet=True), lambda view: view.guide)
         self.head = self._add(HeadPanel(texts), lambda view: view.head)
-        self.head3d = self._add(Head3dPanel(texts), lambda view: view.head)
+        self.head3d = self._add(Head3d(texts), lambda view: view.head)
         self.arms = self._add(ArmsPanel(texts), lambda view: view)
         self.sending = self._add(SendingPanel(texts), lambda view: view)
         self.commands = self._add(CommandsPanel(texts), lambda view: view.commands)
@@ -244,7 +244,7 @@ class Panels(QWidget):
 
     def _make_room(self) -> None:
         """Let the head move aside for the refusal."""
-        notice, head = self.refusal, self.head3d.head
+        notice, head = self.refusal, self.head3d
         covered = QRect(head.mapFrom(self.pages, notice.pos()), notice.size())
         if notice.isHidden():
             head.keep_clear(0, 0)

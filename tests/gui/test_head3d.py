@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from unittest.mock import Mock
 
 import pytest
 from gui_views import posed, ready
@@ -14,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from present import present
 from PyQt5.QtCore import QPoint, Qt
+from PyQt5.QtGui import QImage
 from PyQt5.QtTest import QTest
 from recording_link import RecordingLink
 
@@ -21,7 +23,8 @@ from beatrix_zenoh.body.scene import Screen
 from beatrix_zenoh.client.degrees import HeadAngles
 from gui.console.state.intents import AimHead, Choose, HeadOrientation, Intent, LiveHead, ReleaseHead
 from gui.console.state.state import State
-from gui.window.widgets.head3d import VIEWS, Head3dPanel
+from gui.window.widgets import head3d
+from gui.window.widgets.head3d import VIEWS, Head3d
 from gui.window.widgets.head3d_drag import (
     EARS,
     NOSE,
@@ -61,7 +64,7 @@ def test_a_drag_stays_within_yaw_and_lean_and_back_is_where_it_began(
 ) -> None:
     start = HeadOrientation(round(yaw, 1), round(pitch / 2, 1), round(roll / 2, 1))
     for part in Part:
-        drag = Drag.begin(screen("front"), start, part, 300.0, 200.0)
+        drag = Drag(screen("front"), start, part, 300.0, 200.0)
         at = drag.at(300.0 + across, 200.0 - up, 42.0, 180.0)
         assert abs(at.yaw) <= 180.0
         assert math.hypot(at.pitch, at.roll) <= 42.2
@@ -73,7 +76,7 @@ def test_a_drag_stays_within_yaw_and_lean_and_back_is_where_it_began(
 
 
 @pytest.fixture
-def panel(window: Window, link: RecordingLink, intents: Taken) -> Head3dPanel:
+def panel(window: Window, link: RecordingLink, intents: Taken) -> Head3d:
     """The panel in the window; both robots look ahead."""
     link.known = world(*(posed(side, (0, 0, 0), HeadAngles(0, 0, 0)) for side in ("sim", "hw")))
     window.refresh()
@@ -81,18 +84,18 @@ def panel(window: Window, link: RecordingLink, intents: Taken) -> Head3dPanel:
     return window.panels.head3d
 
 
-def target(panel: Head3dPanel) -> HeadOrientation:
-    return present(panel.head._view).target
+def target(panel: Head3d) -> HeadOrientation:
+    return present(panel._view).target
 
 
-def dragged(panel: Head3dPanel, place: tuple[float, float, float], right: int, down: int) -> None:
+def dragged(panel: Head3d, place: tuple[float, float, float], right: int, down: int) -> None:
     """Drag a point of the head."""
-    x, y, _ = on_screen(panel.head.screen3d, target(panel), place)
-    drag(panel.head, QPoint(round(x), round(y)), QPoint(round(x) + right, round(y) + down))
+    x, y, _ = on_screen(panel.screen3d, target(panel), place)
+    drag(panel, QPoint(round(x), round(y)), QPoint(round(x) + right, round(y) + down))
 
 
 def test_dragging_the_face_to_the_right_turns_the_nose_to_the_right_of_the_picture(
-    panel: Head3dPanel, intents: Taken
+    panel: Head3d, intents: Taken
 ) -> None:
     for view, sign in (("front", 1), ("behind", -1)):
         QTest.mouseClick(panel.views[view], LEFT)
@@ -102,30 +105,28 @@ def test_dragging_the_face_to_the_right_turns_the_nose_to_the_right_of_the_pictu
         assert target(panel).pitch < before.pitch - 8  # nose up
         assert target(panel).roll == 0
         assert intents()[-1] == ReleaseHead()
-        QTest.keyClick(panel.head, Qt.Key.Key_Space)
+        QTest.keyClick(panel, Qt.Key.Key_Space)
 
 
-def test_dragging_an_ear_tilts_the_head(panel: Head3dPanel) -> None:
+def test_dragging_an_ear_tilts_the_head(panel: Head3d) -> None:
     dragged(panel, EARS["left"], 0, -40)
     assert target(panel).roll > 10  # right ear down
     dragged(panel, EARS["right"], 0, -40)
     assert abs(target(panel).roll) < 3
 
 
-def test_dragging_beside_the_head_moves_the_camera(panel: Head3dPanel, intents: Taken) -> None:
-    before = panel.head.camera
-    drag(panel.head, QPoint(30, 200), QPoint(70, 220))
-    assert panel.head.camera != before
+def test_dragging_beside_the_head_moves_the_camera(panel: Head3d, intents: Taken) -> None:
+    before = panel.camera
+    drag(panel, QPoint(30, 200), QPoint(70, 220))
+    assert panel.camera != before
     assert intents() == []
     assert not any(button.isChecked() for button in panel.views.values())
     QTest.mouseClick(panel.views["side"], LEFT)
-    assert panel.head.camera == VIEWS["side"]
+    assert panel.camera == VIEWS["side"]
     assert panel.views["side"].isChecked()
 
 
-def test_live_reports_while_the_mouse_moves_and_only_if_it_was_chosen(
-    panel: Head3dPanel, intents: Taken
-) -> None:
+def test_live_reports_while_the_mouse_moves_and_only_if_it_was_chosen(panel: Head3d, intents: Taken) -> None:
     dragged(panel, SKULL, 40, 0)
     assert LiveHead() not in intents()
     QTest.mouseClick(panel.live, LEFT, pos=panel.live.rect().center())
@@ -134,55 +135,55 @@ def test_live_reports_while_the_mouse_moves_and_only_if_it_was_chosen(
     given = intents()
     assert given.count(LiveHead()) >= 2  # the first, and the last before the release
     assert given[-1] == ReleaseHead()
-    x, y, _ = on_screen(panel.head.screen3d, target(panel), SKULL)
-    QTest.mousePress(panel.head, LEFT, pos=QPoint(round(x), round(y)))
+    x, y, _ = on_screen(panel.screen3d, target(panel), SKULL)
+    QTest.mousePress(panel, LEFT, pos=QPoint(round(x), round(y)))
     panel.hide()
     assert intents()[-1] == ReleaseHead(), "a hidden head is not dragged"
     panel.show()
 
 
 def test_the_checked_robot_is_solid_and_the_other_one_a_ghost(
-    window: Window, panel: Head3dPanel, link: RecordingLink, monkeypatch: pytest.MonkeyPatch
+    window: Window, panel: Head3d, link: RecordingLink, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    drawn = dict[str, object]()
-    for name in ("paint_robot", "paint_ghost"):
-        place = f"gui.window.widgets.head3d.{name}"
-        monkeypatch.setattr(place, lambda _, head, *__, name=name, **___: drawn.update({name: head}))
+    drawn = {name: Mock(return_value=QImage()) for name in ("robot", "ghost")}
+    for name, draws in drawn.items():
+        monkeypatch.setattr(head3d, name, draws)
     link.known = ready()
     for checked, solid in (("sim",), "sim"), (("hw",), "hw"), (("sim", "hw"), "hw"), ((), "hw"):
         for side in ("sim", "hw"):
             window.handle(Choose(side, value=side in checked))
-        panel.head._pictures.clear()
         panel.grab()
-        view = present(panel.head._view)
-        ghost = "hw" if solid == "sim" else "sim"
-        assert drawn == {"paint_robot": view.side(solid), "paint_ghost": view.side(ghost)}
+        view = present(panel._view)
+        assert drawn["robot"].call_args.args[0] == view.side(solid)
+        assert drawn["ghost"].call_args.args[0] == view.side("hw" if solid == "sim" else "sim")
 
 
-def test_the_nose_glows_where_the_yaw_ends(window: Window, panel: Head3dPanel) -> None:
+def test_the_nose_glows_where_the_yaw_ends(window: Window, panel: Head3d) -> None:
     for yaw, glows in ((120.0, False), (178.0, True)):
         window.handle(AimHead(yaw, 0.0, 0.0))
-        x, y, _ = on_screen(panel.head.screen3d, target(panel), NOSE)
-        seen = panel.head.grab().toImage().pixelColor(round(x) + 12, round(y))
+        x, y, _ = on_screen(panel.screen3d, target(panel), NOSE)
+        seen = panel.grab().toImage().pixelColor(round(x) + 12, round(y))
         assert (seen.red() - seen.blue() > 60) is glows, "yellow"
 
 
 def test_a_gap_in_the_positions_greys_the_head_where_it_was(
-    window: Window, panel: Head3dPanel, link: RecordingLink, monkeypatch: pytest.MonkeyPatch
+    window: Window, panel: Head3d, link: RecordingLink, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    drawn = list[tuple[object, bool]]()
-    place = "gui.window.widgets.head3d.paint_robot"
-    monkeypatch.setattr(place, lambda _, head, *__, grey: drawn.append((head, grey)))
+    robot = Mock(return_value=QImage())
+    monkeypatch.setattr(head3d, "robot", robot)
     link.known = here = ready()
     window.refresh()
     panel.grab()
-    aim, shown = target(panel), present(panel.head._view).shown
+    aim, shown = target(panel), present(panel._view).shown
     sim, hw = (replace(here.side(side), positions_age_s=0.6) for side in ("sim", "hw"))
     link.known = replace(here, sim=sim, hw=hw)
     window.refresh()
     panel.grab()
-    assert drawn == [(shown, False), (shown, True)]
+    assert [(call.args[0], call.kwargs["silent"]) for call in robot.mock_calls] == [
+        (shown, False),
+        (shown, True),
+    ]
     assert target(panel) == aim, "it does not jump to the middle"
     link.known = NOWHERE
     window.refresh()
-    assert present(panel.head._view).shown is None
+    assert present(panel._view).shown is None

@@ -116,10 +116,10 @@ def turn_wheel(plots: PlotsPanel, notches: int, at_s: float) -> None:
 
 def test_buttons_and_wheel_choose_the_time(filled: PlotsPanel) -> None:
     assert shown_s(filled) == (-20, 0)
-    for seconds, button in filled.bar.spans.items():
+    for seconds, button in filled.spans.items():
         QTest.mouseClick(button, Qt.MouseButton.LeftButton)
         assert shown_s(filled) == (-seconds, 0)
-        assert [one for one, other in filled.bar.spans.items() if other.isChecked()] == [seconds]
+        assert [one for one, other in filled.spans.items() if other.isChecked()] == [seconds]
     assert curve(filled.plots["short"].lines[1])[0, 0] < -59, "a whole minute is kept"
     turn_wheel(filled, 1, -10)
     begin_s, end_s = shown_s(filled)
@@ -130,16 +130,18 @@ def test_buttons_and_wheel_choose_the_time(filled: PlotsPanel) -> None:
 
 
 def test_a_pause_keeps_the_picture_and_time_to_look_around(filled: PlotsPanel) -> None:
-    QTest.mouseClick(filled.bar.pause, Qt.MouseButton.LeftButton)
+    QTest.mouseClick(filled.hold, Qt.MouseButton.LeftButton)
     before = curve(filled.plots["short"].lines[1])
     filled.append(world_at(71.0, sim=(50, 0, 0)))
     assert np.array_equal(curve(filled.plots["short"].lines[1]), before, equal_nan=True)
     turn_wheel(filled, 3, -10)
     begin_s, end_s = shown_s(filled)
     assert begin_s < -10 < end_s < 0, "the time at the mouse stays in place"
-    filled.plots["short"].box.translateBy(x=-100.0)
+    box = filled.plots["short"].box
+    box.translateBy(x=-100.0)
+    box.sigRangeChangedManually.emit([True, False])
     assert shown_s(filled)[0] == pytest.approx(-60), "no time before the first is shown"
-    QTest.mouseClick(filled.bar.pause, Qt.MouseButton.LeftButton)
+    QTest.mouseClick(filled.hold, Qt.MouseButton.LeftButton)
     assert shown_s(filled)[1] == 0
     assert curve(filled.plots["short"].lines[1])[1].max() == 50
 
@@ -151,17 +153,17 @@ def test_the_cursor_reads_all_curves_in_the_language(qtbot: QtBot, filled: Plots
     for panel, angle, time in ((filled, "5.0", "−20.00 s"), (german, "–", "−20,00 s")):
         panel.plots["short"].box.pointed.emit(-19.999)
         words = panel.plots["short"].label.text()
-        assert panel.bar.time.text() == time
+        assert panel.time.text() == time
         assert words.count(f"<b>{angle}") == 2
         panel.plots["short"].box.pointed.emit(None)
-        assert panel.bar.time.text() == ""
+        assert panel.time.text() == ""
         assert angle not in panel.plots["short"].label.text()
     ticks = german.plots["difference"].plot.getAxis("left").tickStrings([-0.5, 0.0], 1.0, 0.5)
     assert ticks == ["−0,5", "0"]
 
 
 def test_only_chosen_curves_are_shown(filled: PlotsPanel) -> None:
-    choices = filled.bar.choices
+    choices = filled.choices
     choices["hw"].setChecked(False)
     choices["middle"].setChecked(False)
     assert [name for name, one in filled.plots.items() if one.isVisible()] == ["short", "long", "difference"]
@@ -176,7 +178,7 @@ def exported(plots: PlotsPanel, folder: Path, *suffixes: str) -> list[WriteFile]
     asked: list[WriteFile] = []
     plots.intent.connect(asked.append)
     for suffix in suffixes:
-        QTest.mouseClick(getattr(plots.bar, suffix), Qt.MouseButton.LeftButton)
+        QTest.mouseClick(getattr(plots, suffix), Qt.MouseButton.LeftButton)
         present(plots.dialog).fileSelected.emit(str(folder / f"plots.{suffix}"))
     return asked
 
@@ -201,8 +203,8 @@ def test_the_export_has_what_is_shown_with_units(filled: PlotsPanel, tmp_path: P
 
 def choose(plots: PlotsPanel, group: str, name: str) -> None:
     """Choose one of the other values in the menu."""
-    plots.bar.menu.aboutToShow.emit()
-    groups = {one.text(): one.menu() for one in plots.bar.values.actions()}
+    plots.menu.aboutToShow.emit()
+    groups = {one.text(): one.menu() for one in plots.values.actions()}
     next(one for one in groups[group].actions() if one.text() == name).trigger()
 
 
@@ -240,4 +242,6 @@ def test_the_memory_of_the_samples_is_bounded() -> None:
     history = History()
     for tick in range(10_000):
         history.add(tick / 50, (tick, 0, 0))
-    assert history.samples[:, 1].tolist() == list(range(10_000 - CAPACITY, 10_000)), "the newest, in order"
+    assert history.samples(0.0)[:, 1].tolist() == list(range(10_000 - CAPACITY, 10_000)), (
+        "the newest, in order"
+    )

@@ -13,7 +13,7 @@ from pytestqt.qtbot import QtBot
 from gui.console.state.intents import HeadOrientation, Theme
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.head_pad import HeadPad
+from gui.window.widgets.head import HeadPad
 
 SIM, HW = HeadOrientation(-60.0, -15.0, 15.0), HeadOrientation(60.0, 15.0, -15.0)
 DOTS = (HeadOrientation(90.0, 0.0, 20.0), HeadOrientation(120.0, 0.0, 25.0))

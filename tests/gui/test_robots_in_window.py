@@ -207,7 +207,7 @@ def test_the_next_steps_of_a_pill_make_the_robot_ready(
 
 @pytest.mark.long("test_head3d.py and test_link_plans.py have its parts")
 def test_the_dragged_head_is_sent_to_both_robots(user: Windowed, sim: Robot, hw: Robot) -> None:
-    head = user.window.panels.head3d.head
+    head = user.window.panels.head3d
     x, y, _ = on_screen(head.screen3d, user.state.view(user.window._world).head.target, SKULL)
     user.drag(head, QPoint(round(x), round(y)), QPoint(round(x) - 40, round(y) - 15))
     target = present(user.state.choices.target)

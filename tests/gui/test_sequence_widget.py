@@ -25,7 +25,7 @@ from gui.console.state.intents import (
     UndoSequence,
 )
 from gui.console.state.saved import Saved, SavedPose
-from gui.window.widgets.strip import Strip
+from gui.window.widgets.sequence import Strip
 from gui.window.window import Window
 
 Taken = Callable[[], list[Intent]]

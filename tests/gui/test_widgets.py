@@ -40,8 +40,8 @@ from gui.console.state.intents import (
     Undo,
 )
 from gui.console.state.views import ButtonView, RecordView
+from gui.window.widgets.head import HeadPad
 from gui.window.widgets.head3d_drag import EARS, SKULL, on_screen
-from gui.window.widgets.head_pad import HeadPad
 from gui.window.window import Window
 
 Taken = Callable[[], list[Intent]]
@@ -206,7 +206,7 @@ def test_a_refusal_covers_neither_a_control_nor_a_head(
             if other.isVisible() and not panels.refusal.isAncestorOf(other):
                 place = QRect(other.mapTo(panels, QPoint(0, 0)), other.size())
                 assert not notice.intersects(place), (control, other.accessibleName())
-        head = panels.head3d.head
+        head = panels.head3d
         for robot in filter(None, (view.head.sim, view.head.hw)):
             for point in (SKULL, *EARS.values()):
                 x, y, _ = on_screen(head.screen3d, robot, point)

@@ -21,9 +21,8 @@ from gui.console.state.actions import ChooseRobot
 from gui.console.state.intents import Choose, Intent, Jog, Stop, Theme
 from gui.window.run import Bridge, errors_shown
 from gui.window.theme import style_of
+from gui.window.widgets.head import HeadPad
 from gui.window.widgets.head3d import Head3d
-from gui.window.widgets.head_pad import HeadPad
-from gui.window.widgets.header import ROBOT_PX
 from gui.window.window import Window
 
 Taken = Callable[[], list[Intent]]
@@ -122,7 +121,7 @@ def test_41_names_of_32_letters_leave_room_for_the_pills_and_scroll(
     link.known = replace(link.known, robot=names[0], names=names)
     window.refresh()
     QApplication.processEvents()
-    assert robots.width() <= ROBOT_PX
+    assert robots.width() <= 160
     assert names[0] in robots.toolTip()
     robots.showPopup()
     popup = present(robots.view())

@@ -41,7 +41,7 @@ def begin_again(window: Window, link: RecordingLink, state: WatchedState | Shown
     panels.sequence._view = None
     panels._shown.clear()
     panels.key_sheet.hide()
-    panels.head3d.head.look_from(VIEWS["behind"])
+    panels.head3d.look_from(VIEWS["behind"])
     window.refresh()
     window.keys.install()
     window._timer.start(PERIOD_MS)

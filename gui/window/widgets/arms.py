@@ -4,25 +4,23 @@ from __future__ import annotations
 
 from PyQt5.QtCore import QEvent, QTimer
 from PyQt5.QtGui import QHideEvent, QMouseEvent
-from PyQt5.QtWidgets import QBoxLayout, QGridLayout, QHBoxLayout, QVBoxLayout
+from PyQt5.QtWidgets import QBoxLayout, QGridLayout, QRadioButton
 
 from beatrix_zenoh import colours
 from beatrix_zenoh.contract.names import ARMS
 from gui.console.state.arms import HoldArm, ReleaseArm
 from gui.console.state.intents import ALL_ARMS, Choose
-from gui.console.state.saved import Choices
-from gui.console.state.views import ArmRowView, ArmsView, View
+from gui.console.state.views import ArmRowView, View
 from gui.console.texts import Texts
 from gui.window.widgets.controls import (
     RIGHT,
     IntentButton,
     Panel,
-    Radio,
     SliderBox,
-    filled,
+    in_column,
+    in_row,
     label,
-    set_text,
-    spaced,
+    named,
 )
 
 LEAST_INCREMENT = 0.1
@@ -89,32 +87,25 @@ class ArmRow:
     """The controls of one arm, put into a grid."""
 
     def __init__(self, grid: QGridLayout, row: int, arm: str) -> None:
-        self._view: ArmRowView | None = None
         self.title = label()
         if arm in colours.ARMS:
             colour = colours.hexadecimal(colours.ARMS[arm])
             self.title.setStyleSheet(f"border-left: 4px solid {colour}; padding-left: 4px")
         self.minus, self.plus = HoldButton(arm, -1), HoldButton(arm, +1)
-        self.sim, self.hw = label(role="sim"), label(role="hw")
+        self.sim, self.hw = label(role="sim", right=True), label(role="hw", right=True)
         for column, widget in enumerate((self.title, self.minus, self.plus, self.sim, self.hw)):
             grid.addWidget(widget, row, column)
         for button in (self.minus, self.plus):
             button.setProperty("jog", True)  # noqa: FBT003
             button.setMinimumWidth(34)
-        for value in (self.sim, self.hw):
-            value.setAlignment(RIGHT)
 
     def show_view(self, view: ArmRowView) -> None:
         """Show the angles."""
-        if view == self._view:
-            return
-        self._view = view
-        set_text(self.title, f"{view.axis.upper()}  {view.title}".strip())
-        set_text(self.sim, view.sim)
-        set_text(self.hw, view.hw)
+        self.title.setText(f"{view.axis.upper()}  {view.title}".strip())
+        self.sim.setText(view.sim)
+        self.hw.setText(view.hw)
         for button, shown in ((self.minus, view.minus), (self.plus, view.plus)):
-            button.show_view(shown)
-            button.setAccessibleName(f"{view.title} {shown.text}")
+            button.show_view(shown, view.title)
 
 
 class ArmsPanel(Panel):
@@ -122,28 +113,29 @@ class ArmsPanel(Panel):
 
     def __init__(self, texts: Texts) -> None:
         super().__init__("panel")
-        self._view: tuple[ArmsView, Choices] | None = None
         self.setAccessibleName(texts("label.arms"))
-        self.relative = Radio(texts, "relative", Choose("relative", value=True))
-        self.absolute = Radio(texts, "absolute", Choose("relative", value=False))
+        self.relative, self.absolute = (self._mode(texts, name) for name in ("relative", "absolute"))
         grid = QGridLayout()
         grid.setHorizontalSpacing(6)
         grid.setVerticalSpacing(2)
-        grid.addLayout(filled(QHBoxLayout(), self.relative, self.absolute, None), 0, 0, 1, 3)
-        for column, side in ((3, "sim"), (4, "hw")):
-            grid.addWidget(label(texts(f"label.{side}"), side), 0, column, RIGHT)
-            grid.setColumnStretch(column, 1)
-        self.rows = {arm: ArmRow(grid, row, arm) for row, arm in enumerate((*ARMS, ALL_ARMS), start=1)}
-        for row in self.rows.values():
-            row.minus.intent.connect(self.intent)
-            row.plus.intent.connect(self.intent)
+        grid.addLayout(in_row(self.relative, self.absolute, None), 0, 0, 1, 3)
+        for place, side in ((3, "sim"), (4, "hw")):
+            grid.addWidget(label(texts(f"label.{side}"), side), 0, place, RIGHT)
+            grid.setColumnStretch(place, 1)
+        self.rows = {arm: ArmRow(grid, line, arm) for line, arm in enumerate((*ARMS, ALL_ARMS), start=1)}
+        for shown in self.rows.values():
+            self.reports(shown.minus.intent, shown.plus.intent)
         self.increment = SliderBox(texts, "increment", least=LEAST_INCREMENT)
         self.speed = SliderBox(texts, "speed", least=LEAST_SPEED)
-        for part in (self.relative, self.absolute, self.increment, self.speed):
-            part.intent.connect(self.intent)
-        self._sliders = spaced(QBoxLayout(QBoxLayout.Direction.TopToBottom), 2)
-        filled(self._sliders, self.increment, self.speed)
-        filled(spaced(QVBoxLayout(self), 2, (8, 4, 8, 4)), grid, self._sliders)
+        self.reports(self.increment.intent, self.speed.intent)
+        self._sliders = in_column(self.increment, self.speed, gap=2)
+        in_column(grid, self._sliders, gap=2, margins=(8, 4, 8, 4), inside=self)
+
+    def _mode(self, texts: Texts, name: str) -> QRadioButton:
+        text = texts(f"label.{name}")
+        button = named(QRadioButton(text), text, texts(f"tip.{name}"))
+        button.clicked.connect(lambda: self.intent.emit(Choose("relative", value=name == "relative")))
+        return button
 
     def show_compact(self, *, compact: bool) -> None:
         """In a low window, show increment and speed in one row, without sliders."""
@@ -156,12 +148,8 @@ class ArmsPanel(Panel):
     def show_view(self, whole: View) -> None:
         """Show rows, mode, increment and speed."""
         view, choices = whole.arms, whole.choices
-        if (view, choices) == self._view:
-            return
-        self._view = view, choices
-        for row in view.rows:
-            self.rows[row.arm].show_view(row)
-        self.relative.setChecked(choices.relative)
-        self.absolute.setChecked(not choices.relative)
+        for shown in view.rows:
+            self.rows[shown.arm].show_view(shown)
+        (self.relative if choices.relative else self.absolute).setChecked(True)
         self.increment.show_value(choices.increment, view.increment_max)
         self.speed.show_value(choices.speed, view.speed_max)

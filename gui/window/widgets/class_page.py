@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import Qt, QTimer, pyqtSignal
+from PyQt5.QtCore import QSignalBlocker, QTimer, pyqtSignal
 from PyQt5.QtGui import QResizeEvent
-from PyQt5.QtWidgets import QComboBox, QHBoxLayout, QLineEdit, QTabWidget, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QLineEdit, QTabWidget, QWidget
 
 from gui.console.state.intents import LimitClass, Theme
 from gui.console.state.views import ClassRowView, ClassView, SeatView
@@ -13,16 +13,16 @@ from gui.window.theme import style_of
 from gui.window.widgets.controls import (
     NO_MARGINS,
     IntentButton,
+    NameBox,
     Panel,
-    filled,
+    Part,
+    in_column,
+    in_row,
     label,
     plain_button,
     set_role,
-    set_text,
-    spaced,
 )
-from gui.window.widgets.lessons import LessonsTable
-from gui.window.widgets.table import Table, TableRow
+from gui.window.widgets.table import LessonsTable, Table, TableRow
 
 COLUMNS = ("robot", "side", "state", "driver", "turn", "waiting", "rate", "age", "remarks")
 STATE = COLUMNS.index("state")
@@ -30,13 +30,10 @@ NUMBERS = ("turn", "rate", "age")
 """Columns of numbers, whose headings have a tooltip."""
 WIDE = ("driver", "waiting", "remarks")
 """Columns that share the width which the others do not need."""
-LIMIT_PX = 70
 LARGE = ("robot", "side", "state", "driver", "turn", "waiting")
 """Columns in large type, for a projector."""
 LARGE_WIDTH, LARGE_LINE, LARGEST = 60, 1.7, 16
 """Width of the page, height of a row, and height of the page, all in heights of the large type."""
-NAMES_PX = 240
-"""Least width (px) of its list, at scale 1, which shows whole names."""
 
 
 class ClassPage(Panel):
@@ -52,29 +49,25 @@ class ClassPage(Panel):
         self.summary = label(role="title", wrap=True)
         self.project = plain_button(texts("label.projector"), texts("tip.projector"))
         self.project.clicked.connect(lambda: self.projector_asked.emit())  # noqa: PLW0108 - `clicked` has an argument
-        self.freeze_all, self.unfreeze_all = IntentButton(main=True), IntentButton()
+        self.freeze_all, self.unfreeze_all = self.button(main=True), self.button()
         self.limit_now = label()
         self.limit, self.set_limit = QLineEdit(), IntentButton()
+        self.limit.setObjectName("limit")
         self.limit.setAccessibleName(texts("label.class_limit"))
         self.limit.returnPressed.connect(self._report_limit)
         self.set_limit.intent.connect(self._report_limit)
         self.list, self.lessons = self._list(texts), LessonsTable(texts)
         self.tabs = QTabWidget()
-        self.empty = label(role="dim", wrap=True)
-        self.result = label(wrap=True)
+        self.empty, self.result = label(role="dim", wrap=True), label(wrap=True)
         self.selected = label(role="title")
-        self.freeze, self.take, self.show_robot = IntentButton(), IntentButton(), IntentButton()
-        self.seats, self.mute = QComboBox(), IntentButton()
-        self.seats.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
-        self.seats.setMinimumContentsLength(10)
-        self.seats.setAccessibleName(texts("label.class_seat"))
+        self.freeze, self.take, self.show_robot = self.button(), self.button(), self.button()
+        self.seat_label, self.seats, self.mute = (
+            label(texts("label.class_seat"), "title"),
+            NameBox(),
+            self.button(),
+        )
+        self.seats.setAccessibleName(self.seat_label.text())
         self.seats.currentIndexChanged.connect(lambda *_: self._show_seat())
-        self.seat_label = label(texts("label.class_seat"), "title")
-        for button in (
-            *(self.freeze_all, self.unfreeze_all, self.freeze, self.take, self.show_robot),
-            self.mute,
-        ):
-            button.intent.connect(self.intent)
         self._lay_out(texts)
 
     def _list(self, texts: Texts) -> Table:
@@ -90,31 +83,31 @@ class ClassPage(Panel):
         return found
 
     def _lay_out(self, texts: Texts) -> None:
-        self._lines = QWidget(), QWidget(), QWidget()
-        top, every, one = (spaced(QHBoxLayout(line), 6, NO_MARGINS) for line in self._lines)
-        filled(top, (self.summary, 1), self.project)
-        filled(every, label(texts("label.class_all"), "title"), self.freeze_all, self.unfreeze_all)
-        every.addSpacing(12)
-        limit = label(texts("label.class_limit"))
-        filled(every, limit, self.limit, self.set_limit, (self.limit_now, 1))
-        filled(one, label(texts("label.class_one"), "title"), self.selected, self.freeze, self.take)
-        filled(one, self.show_robot, None, self.seat_label, self.seats, self.mute)
+        every, one = (label(texts(f"label.class_{name}"), "title") for name in ("all", "one"))
+        limit = label(texts("label.class_limit")), self.limit, self.set_limit, (self.limit_now, 1)
+        chosen = self.selected, self.freeze, self.take, self.show_robot
+        self._lines = (
+            self._line((self.summary, 1), self.project),
+            self._line(every, self.freeze_all, self.unfreeze_all, label("  "), *limit),
+            self._line(one, *chosen, None, self.seat_label, self.seats, self.mute),
+        )
         robots = QWidget()
-        inner = spaced(QVBoxLayout(robots), 6, (0, 0, 0, 4))
-        filled(inner, (self.list, 1), (self.empty, 1), self._lines[2])
-        layout = spaced(QVBoxLayout(self), 6, (8, 8, 8, 8))
-        filled(layout, *self._lines[:2], (self.tabs, 1), self.result)
+        inner = (self.list, 1), (self.empty, 1), self._lines[2]
+        in_column(*inner, gap=6, margins=(0, 0, 0, 4), inside=robots)
+        whole = *self._lines[:2], (self.tabs, 1), self.result
+        in_column(*whole, gap=6, margins=(8, 8, 8, 8), inside=self)
         self.tabs.addTab(robots, texts("label.class_robots"))
         self.tabs.addTab(self.lessons, "")
+
+    @staticmethod
+    def _line(*parts: Part) -> QWidget:
+        line = QWidget()
+        in_row(*parts, gap=6, margins=NO_MARGINS, inside=line)
+        return line
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
         self._style = style_of(theme)
-        self.limit.setFixedWidth(self._style.px(LIMIT_PX))
-        names = self.seats.view()
-        if names is not None:
-            names.setMinimumWidth(self._style.px(NAMES_PX))
-            names.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAsNeeded)
         self.lessons.show_theme(theme)
         if self._view is not None:
             self._show_rows(self._view.rows)
@@ -145,19 +138,18 @@ class ClassPage(Panel):
         if view is None or view == self._view:
             return
         old, self._view = self._view, view
-        set_text(self.summary, view.summary)
-        set_text(self.limit_now, view.limit_now)
+        self.summary.setText(view.summary)
+        self.limit_now.setText(view.limit_now)
         self.freeze_all.show_view(view.freeze_all)
         self.unfreeze_all.show_view(view.unfreeze_all)
         self.set_limit.show_view(view.limit)
         self.limit.setToolTip(view.limit.tooltip)
-        set_text(self.empty, view.empty)
+        self.empty.setText(view.empty)
         self.empty.setVisible(not view.rows)
         self.list.setVisible(bool(view.rows))
         set_role(self.result, "role", {True: "good", False: "bad", None: "dim"}[view.good])
-        set_text(self.result, view.result)
-        if old is None or old.rows != view.rows:
-            self._show_rows(view.rows)
+        self.result.setText(view.result)
+        self._show_rows(view.rows)
         self._show_selected()
         self.tabs.setTabText(1, view.lessons.title)
         self.lessons.show_view(view.lessons)
@@ -165,44 +157,38 @@ class ClassPage(Panel):
             self._show_seats(view.seats)
 
     def _show_rows(self, rows: tuple[ClassRowView, ...]) -> None:
-        colours = [{STATE: self._style.condition(row.condition)} for row in rows]
-        shown = [
-            TableRow(row.place, row.cells, row.details, of) for row, of in zip(rows, colours, strict=True)
-        ]
-        self.list.show_rows(shown)
+        colour = self._style.condition
+        self.list.show_rows(
+            [TableRow(row.place, row.cells, row.details, {STATE: colour(row.condition)}) for row in rows]
+        )
         if self.large:
             self._fit_type()
 
     def _show_seats(self, seats: tuple[SeatView, ...]) -> None:
         """List the seats; the chosen one stays chosen while it is listed."""
         chosen = self.seats.currentData()
-        self.seats.blockSignals(True)  # noqa: FBT003
-        self.seats.clear()
-        for view in seats:
-            self.seats.addItem(view.text, getattr(view.mute.intent, "seat", None))
-        self.seats.setCurrentIndex(max(0, self.seats.findData(chosen)) if seats else -1)
-        self.seats.blockSignals(False)  # noqa: FBT003
+        with QSignalBlocker(self.seats):
+            self.seats.clear()
+            for view in seats:
+                self.seats.addItem(view.text, getattr(view.mute.intent, "seat", None))
+            self.seats.setCurrentIndex(max(0, self.seats.findData(chosen)) if seats else -1)
+        self.seat_label.setVisible(bool(seats))
+        self.seats.setVisible(bool(seats))
         self._show_seat()
 
     def _show_seat(self) -> None:
         """Show the button of the chosen seat."""
-        seats, index = () if self._view is None else self._view.seats, self.seats.currentIndex()
-        for part in (self.seat_label, self.seats, self.mute):
-            part.setVisible(bool(seats))
-        if 0 <= index < len(seats):
-            self.mute.show_view(seats[index].mute)
+        index = self.seats.currentIndex()
+        self.mute.show_view(None if self._view is None or index < 0 else self._view.seats[index].mute)
 
     def _show_selected(self) -> None:
         """Show the buttons of the selected robot."""
         rows = () if self._view is None else self._view.rows
         row = next((found for found in rows if found.place == self.list.chosen), None)
-        for part in (self.selected, self.freeze, self.take, self.show_robot):
-            part.setVisible(row is not None)
-        if row is not None:
-            set_text(self.selected, f"{row.cells[0]}, {row.cells[1]}")
-            self.freeze.show_view(row.freeze)
-            self.take.show_view(row.take)
-            self.show_robot.show_view(row.show)
+        self.selected.setVisible(row is not None)
+        self.selected.setText("" if row is None else f"{row.cells[0]}, {row.cells[1]}")
+        for name, button in (("freeze", self.freeze), ("take", self.take), ("show", self.show_robot)):
+            button.show_view(getattr(row, name, None))
 
     def _report_limit(self) -> None:
         self.intent.emit(LimitClass(self.limit.text()))

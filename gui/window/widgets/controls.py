@@ -5,18 +5,19 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Never, TypeVar
 
-from PyQt5.QtCore import QEvent, QSignalBlocker, QSize, Qt, QTimer, pyqtSignal
-from PyQt5.QtGui import QFocusEvent, QPainter, QPaintEvent
+from PyQt5.QtCore import QEvent, QSignalBlocker, QSize, Qt, QTimer, pyqtBoundSignal, pyqtSignal
+from PyQt5.QtGui import QFocusEvent, QHideEvent, QPainter, QPaintEvent
 from PyQt5.QtWidgets import (
     QBoxLayout,
     QCheckBox,
+    QComboBox,
     QFrame,
     QHBoxLayout,
     QLabel,
     QLayout,
     QPushButton,
-    QRadioButton,
     QSlider,
+    QVBoxLayout,
     QWidget,
 )
 
@@ -35,12 +36,16 @@ ARMED_MS = 6000
 
 
 NO_MARGINS = 0, 0, 0, 0
+LEFT = Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter
 RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+Margins = tuple[int, int, int, int]
+Part = QWidget | QLayout | tuple[QWidget | QLayout, int] | None
 L = TypeVar("L", bound=QLayout)
 B = TypeVar("B", bound=QBoxLayout)
+W = TypeVar("W", bound=QWidget)
 
 
-def spaced(layout: L, gap: int | None, margins: tuple[int, int, int, int] | None = None) -> L:
+def spaced(layout: L, gap: int | None, margins: Margins | None = None) -> L:
     """Return the layout with this gap between its parts and these margins (px); None: those of the style."""
     if gap is not None:
         layout.setSpacing(gap)
@@ -49,7 +54,7 @@ def spaced(layout: L, gap: int | None, margins: tuple[int, int, int, int] | None
     return layout
 
 
-def filled(layout: B, *parts: QWidget | QLayout | tuple[QWidget | QLayout, int] | None) -> B:
+def filled(layout: B, *parts: Part) -> B:
     """Return the layout after adding parts to it, with their stretch if it is given; None: a gap that stretches."""
     for part in parts:
         item, stretch = part if isinstance(part, tuple) else (part, 0)
@@ -62,12 +67,30 @@ def filled(layout: B, *parts: QWidget | QLayout | tuple[QWidget | QLayout, int] 
     return layout
 
 
+def in_row(
+    *parts: Part, gap: int | None = None, margins: Margins | None = None, inside: QWidget | None = None
+) -> QHBoxLayout:
+    """Return a layout of parts beside each other, as `filled` and `spaced` do; `inside` has it as its layout."""
+    return filled(spaced(QHBoxLayout(inside), gap, margins), *parts)  # type: ignore[arg-type]  # None is no parent
+
+
+def in_column(
+    *parts: Part, gap: int | None = None, margins: Margins | None = None, inside: QWidget | None = None
+) -> QVBoxLayout:
+    """Return a layout of parts below each other, like `in_row`."""
+    return filled(spaced(QVBoxLayout(inside), gap, margins), *parts)  # type: ignore[arg-type]
+
+
+def named(control: W, name: str, tooltip: str) -> W:
+    """Return the control, with a name and a tooltip; screen readers say both."""
+    control.setAccessibleName(name)
+    control.setToolTip(tooltip)
+    return control
+
+
 def plain_button(text: str, tooltip: str, name: str = "") -> QPushButton:
-    """Return a button with a tooltip and an accessible name, which is the text by default."""
-    button = QPushButton(text)
-    button.setToolTip(tooltip)
-    button.setAccessibleName(name or text)
-    return button
+    """Return a button whose name for screen readers is its text by default."""
+    return named(QPushButton(text), name or text, tooltip)
 
 
 class IntentButton(QPushButton):
@@ -87,16 +110,17 @@ class IntentButton(QPushButton):
         self.setProperty("main", main)
         self.clicked.connect(self._press)
 
-    def show_view(self, view: ButtonView) -> None:
-        """Show the view's text and tooltip, and enable or disable the button."""
-        if view == self._view:
-            return
-        self._view = view
-        self.setToolTip(view.tooltip)
-        self.setAccessibleName(view.text)
-        self.setAccessibleDescription(view.tooltip)
-        self.setEnabled(view.enabled)
-        self._show_text()
+    def show_view(self, view: ButtonView | None, about: str = "") -> None:
+        """Show the view's text and tooltip, and enable or disable the button; without a view, hide it.
+
+        Screen readers say what the button is about before its text.
+        """
+        if view is not None and view != self._view:
+            self._view = view
+            named(self, f"{about} {view.text}".lstrip(), view.tooltip)
+            self.setEnabled(view.enabled)
+            self._show_text()
+        self.setVisible(view is not None)
 
     def disarm(self) -> None:
         """Wait for the first press again."""
@@ -108,6 +132,10 @@ class IntentButton(QPushButton):
 
     def focusOutEvent(self, event: QFocusEvent) -> None:  # noqa: N802
         super().focusOutEvent(event)
+        self.disarm()
+
+    def hideEvent(self, event: QHideEvent) -> None:  # noqa: N802
+        super().hideEvent(event)
         self.disarm()
 
     def _press(self) -> None:
@@ -130,18 +158,15 @@ class IntentButton(QPushButton):
 
 
 def show_each(
-    views: Sequence[ButtonView],
-    buttons: list[IntentButton],
-    made: Callable[[ButtonView], IntentButton] = lambda _: IntentButton(),
+    views: Sequence[ButtonView], buttons: list[IntentButton], made: Callable[[ButtonView], IntentButton]
 ) -> None:
     """Show a button for each view; `made` makes those that are missing, and those left over are hidden."""
-    while len(buttons) < len(views):
-        buttons.append(made(views[len(buttons)]))
+    for number, view in enumerate(views):
+        if number == len(buttons):
+            buttons.append(made(view))
+        buttons[number].show_view(view)
     for button in buttons[len(views) :]:
         button.hide()
-    for button, view in zip(buttons, views, strict=False):
-        button.show_view(view)
-        button.show()
 
 
 class Panel(QFrame):
@@ -154,6 +179,17 @@ class Panel(QFrame):
         super().__init__(parent)
         if look:
             self.setProperty(look, True)  # noqa: FBT003
+
+    def reports(self, *intents: pyqtBoundSignal) -> None:
+        """Report the intents of these signals of its parts."""
+        for intent in intents:
+            intent.connect(self.intent)
+
+    def button(self, *, main: bool = False) -> IntentButton:
+        """Return a button whose intents this panel reports."""
+        button = IntentButton(main=main)
+        self.reports(button.intent)
+        return button
 
     def show_view(self, view: Never) -> None:
         """Show the part of the view with which the panel was added to the window; the plots show none."""
@@ -196,37 +232,27 @@ class Sheet(Panel):
 
 
 class ChoiceCheck(QCheckBox):
-    """The box of a choice that is on or off; the window shows its present value, so it changes only with a view."""
+    """The box of a choice that is on or off; the window shows its present value with each view."""
 
     intent = pyqtSignal(object)
 
     def __init__(self, texts: Texts, name: str) -> None:
         super().__init__(texts(f"label.{name}"))
         self.name = name
-        self.setToolTip(texts(f"tip.{name}"))
-        self.setAccessibleName(self.text())
-        self.setAccessibleDescription(self.toolTip())
-        self.clicked.connect(lambda: self.intent.emit(Choose(name, value=not self.isChecked())))
-
-    def nextCheckState(self) -> None:  # noqa: N802
-        """Keep the state until the view changes it."""
+        named(self, self.text(), texts(f"tip.{name}"))
+        self.clicked.connect(lambda on: self.intent.emit(Choose(name, value=on)))
 
 
-class Radio(QRadioButton):
-    """A radio button that changes only with its view, like `ChoiceCheck`."""
+class NameBox(QComboBox):
+    """A choice of names; it and its list are as wide as the style sheet says, and the list scrolls."""
 
-    intent = pyqtSignal(object)
+    def __init__(self) -> None:
+        super().__init__()
+        self.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToContents)
+        self.view().setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAsNeeded)
 
-    def __init__(self, texts: Texts, name: str, chosen: Choose) -> None:
-        super().__init__(texts(f"label.{name}"))
-        self.setToolTip(texts(f"tip.{name}"))
-        self.setAccessibleName(self.text())
-        self.setAccessibleDescription(self.toolTip())
-        self.setAutoExclusive(False)
-        self.clicked.connect(lambda: self.intent.emit(chosen))
-
-    def nextCheckState(self) -> None:  # noqa: N802
-        """Keep the state until the view changes it."""
+    def minimumSizeHint(self) -> QSize:  # noqa: N802 - Qt's own remains that of longer names that were shown before
+        return self.sizeHint()
 
 
 class SliderBox(QWidget):
@@ -236,7 +262,6 @@ class SliderBox(QWidget):
 
     def __init__(self, texts: Texts, name: str, *, least: float) -> None:
         super().__init__()
-        self._value = self._maximum = -1.0
         title, unit = texts(f"label.{name}"), texts(f"label.{name}_unit")
         self.slider = QSlider(Qt.Orientation.Horizontal)
         self.slider.setMinimum(round(least * STEPS))
@@ -245,9 +270,8 @@ class SliderBox(QWidget):
         self.slider.setMinimumWidth(60)
         self.box = NumberBox(texts, unit, least)
         for control in (self.slider, self.box):
-            control.setToolTip(texts(f"tip.{name}"))
-            control.setAccessibleName(f"{title} ({unit.strip()})")
-        filled(spaced(QHBoxLayout(self), 6, NO_MARGINS), QLabel(title), (self.slider, 1), self.box)
+            named(control, f"{title} ({unit.strip()})", texts(f"tip.{name}"))
+        in_row(QLabel(title), (self.slider, 1), self.box, gap=6, margins=NO_MARGINS, inside=self)
         self.slider.valueChanged.connect(lambda at: self.intent.emit(Choose(name, at / STEPS)))
         self.box.valueChanged.connect(lambda value: self.intent.emit(Choose(name, value)))
 
@@ -257,9 +281,8 @@ class SliderBox(QWidget):
 
     def show_value(self, value: float, maximum: float) -> None:
         """Show the number with its maximum."""
-        if (value, maximum) == (self._value, self._maximum):
-            return
-        self._value, self._maximum = value, maximum
+        if (round(value, 1), maximum) == (self.box.value(), self.box.maximum()):
+            return  # else it would replace what the user is typing
         with QSignalBlocker(self.slider), QSignalBlocker(self.box):
             self.slider.setMaximum(round(maximum * STEPS))
             self.slider.setValue(round(value * STEPS))
@@ -286,12 +309,13 @@ class ElidedLabel(QLabel):
         self.setToolTip("" if shown == self.text() else self.text())
         painter = QPainter(self)
         painter.setPen(self.palette().color(self.palette().WindowText))
-        painter.drawText(self.rect(), int(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter), shown)
+        painter.drawText(self.rect(), int(LEFT), shown)
 
 
-def label(text: str = "", role: str = "", *, wrap: bool = False) -> QLabel:
-    """Return a label in one of the style sheet's roles."""
+def label(text: str = "", role: str = "", *, wrap: bool = False, right: bool = False) -> QLabel:
+    """Return a label in one of the style sheet's roles, whose text wraps or stands at the right."""
     result = QLabel(text)
+    result.setAlignment(RIGHT if right else LEFT)
     result.setProperty("role", role)
     result.setWordWrap(wrap)
     result.setTextFormat(Qt.TextFormat.PlainText)
@@ -307,9 +331,3 @@ def set_role(widget: QWidget, name: str, value: str) -> None:
     if style is not None:
         style.unpolish(widget)
         style.polish(widget)
-
-
-def set_text(target: QLabel, text: str) -> None:
-    """Set a label's text if it differs: setting the same text would cause a new layout."""
-    if target.text() != text:
-        target.setText(text)

@@ -3,32 +3,32 @@
 from __future__ import annotations
 
 import time
+from functools import lru_cache
 from typing import Final
 
-from PyQt5.QtCore import QBuffer, QRect, QSize, Qt
-from PyQt5.QtGui import QColor, QImage, QImageReader, QPainter, QPaintEvent
-from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QProgressBar, QSizePolicy, QVBoxLayout, QWidget
+from PyQt5.QtCore import QBuffer, QRect, Qt
+from PyQt5.QtGui import QImage, QImageReader, QPainter, QPaintEvent
+from PyQt5.QtWidgets import QGridLayout, QLabel, QProgressBar, QSizePolicy, QWidget
 
 from beatrix_zenoh.client import CameraImage
 from beatrix_zenoh.contract.names import EYES, SIDES
-from gui.console.state.intents import Theme
 from gui.console.state.views import EyeView, SoundView
 from gui.console.texts import Texts
-from gui.window.theme import style_of
 from gui.window.widgets.controls import (
     NO_MARGINS,
     ChoiceCheck,
     ElidedLabel,
     Panel,
-    filled,
+    in_column,
+    in_row,
     label,
     set_role,
-    set_text,
     spaced,
 )
 
 LEVEL_STEPS: Final = 100
 LEVEL_PX: Final = 8
+MARGIN_PX: Final = 12
 
 
 class LevelsPanel(Panel):
@@ -37,23 +37,21 @@ class LevelsPanel(Panel):
     def __init__(self, texts: Texts) -> None:
         super().__init__()
         self.box = ChoiceCheck(texts, "microphones")
-        self.box.intent.connect(self.intent)
+        self.reports(self.box.intent)
         self.bars = {(side, ear): QProgressBar() for side in SIDES for ear in (0, 1)}
         self.titles = {side: QLabel() for side in SIDES}
         self.texts = {side: ElidedLabel(least=0) for side in SIDES}
         grid = spaced(QGridLayout(self), 4, NO_MARGINS)
         grid.addWidget(self.box, 0, 0, len(SIDES), 1)
-        for row, side in enumerate(SIDES):
-            grid.addWidget(self.titles[side], row, 1)
-            grid.addWidget(self.texts[side], row, 4)
+        for line, side in enumerate(SIDES):
+            grid.addWidget(self.titles[side], line, 1)
+            grid.addWidget(self.texts[side], line, 4)
         for (side, ear), bar in self.bars.items():
             bar.setProperty("side", side)
             bar.setRange(0, LEVEL_STEPS)
             bar.setTextVisible(False)
             bar.setFixedHeight(LEVEL_PX)
-            bar.setInvertedAppearance(
-                ear == 0
-            )  # both grow from the middle, as the ears are beside each other
+            bar.setInvertedAppearance(ear == 0)  # both grow from the middle
             grid.addWidget(bar, SIDES.index(side), 2 + ear)
         for column, stretch in ((2, 1), (3, 1), (4, 2)):
             grid.setColumnStretch(column, stretch)
@@ -81,6 +79,7 @@ LARGEST_PX: Final = 10_000_000
 """Largest number of pixels of a picture: decoding a larger one would block the window."""
 
 
+@lru_cache(maxsize=len(SIDES) * len(EYES))  # a picture is painted several times
 def decode(jpeg: bytes) -> QImage | None:
     """Return the image of a JPEG file; None if it is damaged or has more than `LARGEST_PX` pixels."""
     buffer = QBuffer()
@@ -102,55 +101,45 @@ class CameraPicture(QWidget):
     def __init__(self, texts: Texts) -> None:
         super().__init__()
         self._damaged, self._waiting = texts("label.picture_damaged"), texts("eye.waiting")
-        self._style = style_of(Theme.DARK)
-        self._view: EyeView | None = None
+        self._text = ""
+        """the reason why there is no picture"""
         self._newest: CameraImage | None = None
-        self._image: tuple[CameraImage, QImage | None] | None = None
         self.title, self.age = ElidedLabel(), label(role="warn")
         """the age of the newest picture; empty: it is new"""
-        row = filled(spaced(QHBoxLayout(), None, (6, 2, 6, 2)), (self.title, 1), self.age)
-        filled(spaced(QVBoxLayout(self), 0, NO_MARGINS), row, None)
+        above = in_row((self.title, 1), self.age, margins=(6, 2, 6, 2))
+        in_column(above, None, gap=0, margins=NO_MARGINS, inside=self)
         self.setToolTip(texts("tip.picture"))
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802 - Qt's name
-        return QSize(100, 46)
+        self.setMinimumSize(100, 46)
 
     def show_view(self, view: EyeView) -> None:
         """Show title, text and note; with a text, or if the camera is not watched, remove the picture."""
         if view.text or not view.watched:
-            self._newest = self._image = None
+            self._newest = None
         age_s = 0.0 if self._newest is None else (time.monotonic_ns() - self._newest.arrived_mono_ns) / 1e9
-        age = f"{age_s:.0f} s" if age_s > STALE_S else ""
-        set_text(self.age, age)
-        if view != self._view:
-            self._view = view
-            set_role(self.title, "role", view.side)
-            set_text(self.title, view.title)
-            self.setAccessibleName(view.title)
-            self.setAccessibleDescription(view.text)
-            self.update()
+        self.age.setText(f"{age_s:.0f} s" if age_s > STALE_S else "")
+        set_role(self.title, "role", view.side)
+        self.title.setText(view.title)
+        self.setAccessibleName(view.title)
+        self.setAccessibleDescription(view.text)
+        self._text = view.text
+        self.update()
 
     def show_image(self, image: CameraImage) -> None:
         """Show a new picture."""
         self._newest = image
-        set_text(self.age, "")
-        self.update()
-
-    def show_theme(self, theme: Theme) -> None:
-        """Use the colours and sizes of a theme."""
-        self._style = style_of(theme)
+        self.age.setText("")
         self.update()
 
     def paintEvent(self, event: QPaintEvent) -> None:  # noqa: N802, ARG002
         painter = QPainter(self)
         below = self.rect().adjusted(0, self.title.geometry().bottom() + 3, 0, 0)
-        painter.fillRect(below, QColor(self._style.field))
-        image, text = self._shown()
+        painter.fillRect(below, self.palette().base())
+        image = None if self._text or self._newest is None else decode(self._newest.jpeg)
         if image is None:
-            margin = self._style.px(12)
-            painter.setPen(QColor(self._style.text))
-            inner = below.adjusted(margin, margin, -margin, -margin)
+            text = self._text or (self._waiting if self._newest is None else self._damaged)
+            painter.setPen(self.palette().text().color())
+            inner = below.adjusted(MARGIN_PX, MARGIN_PX, -MARGIN_PX, -MARGIN_PX)
             whole = text.replace("-", NO_BREAK)  # an option of a command stays on one line
             painter.drawText(inner, int(Qt.AlignmentFlag.AlignCenter) | int(Qt.TextFlag.TextWordWrap), whole)
         else:
@@ -159,15 +148,6 @@ class CameraPicture(QWidget):
             place.moveCenter(below.center())
             painter.setRenderHint(QPainter.RenderHint.SmoothPixmapTransform)
             painter.drawImage(place, image)
-
-    def _shown(self) -> tuple[QImage | None, str]:
-        """Return the decoded picture or None, and the text that replaces a missing picture."""
-        text = "" if self._view is None else self._view.text
-        if text or self._newest is None:
-            return None, text or self._waiting
-        if self._image is None or self._image[0] is not self._newest:
-            self._image = self._newest, decode(self._newest.jpeg)
-        return self._image[1], self._damaged
 
 
 class EyesPanel(Panel):
@@ -180,9 +160,9 @@ class EyesPanel(Panel):
         for (side, eye), picture in self.pictures.items():
             grid.addWidget(picture, SIDES.index(side), EYES.index(eye))
         self.cameras = ChoiceCheck(texts, "cameras")
-        self.cameras.intent.connect(self.intent)
+        self.reports(self.cameras.intent)
         self.sound = LevelsPanel(texts)
-        below = filled(spaced(QHBoxLayout(), 12), self.cameras, (self.sound, 1))
+        below = in_row(self.cameras, (self.sound, 1), gap=12)
         below.setAlignment(self.cameras, Qt.AlignmentFlag.AlignTop)
         grid.addLayout(below, len(SIDES), 0, 1, len(EYES))
 
@@ -194,8 +174,3 @@ class EyesPanel(Panel):
     def show_image(self, side: str, image: CameraImage) -> None:
         """Show a picture of an eye."""
         self.pictures[side, image.eye].show_image(image)
-
-    def show_theme(self, theme: Theme) -> None:
-        """Use the colours and sizes of a theme."""
-        for picture in self.pictures.values():
-            picture.show_theme(theme)

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from importlib import resources
 from pathlib import Path
 
-from PyQt5.QtCore import Qt
 from PyQt5.QtWidgets import QFileDialog, QGridLayout, QLineEdit, QWidget
 
 from gui.console.state.intents import Intent
@@ -37,7 +36,6 @@ class FileDialog(QFileDialog):
         self.setOption(QFileDialog.Option.DontConfirmOverwrite)
         self.setOption(QFileDialog.Option.ReadOnly)  # no renaming or deleting: they would open modal boxes
         self.setModal(False)
-        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setAcceptMode(mode)
         if mode == QFileDialog.AcceptMode.AcceptOpen:
             self.setFileMode(QFileDialog.FileMode.ExistingFile)
@@ -63,12 +61,14 @@ class FileDialog(QFileDialog):
         file = Path(next(iter(self.selectedFiles()), ""))
         if file.is_dir() or file.exists() != writes or file == self._overwrites:
             super().accept()
-        elif writes:
+            return
+        self.notice.setText(
+            self._texts("label.file_exists" if writes else "label.file_missing", file=file.name)
+        )
+        self.notice.show()
+        if writes:
             self._overwrites = file
-            self._show_notice(self._texts("label.file_exists", file=file.name))
             self.setLabelText(QFileDialog.DialogLabel.Accept, self._texts("label.file_overwrite"))
-        else:
-            self._show_notice(self._texts("label.file_missing", file=file.name))
 
     def _clear_notice(self) -> None:
         self._overwrites = None
@@ -76,10 +76,6 @@ class FileDialog(QFileDialog):
         writes = self.acceptMode() == QFileDialog.AcceptMode.AcceptSave
         text = self._texts("label.file_save" if writes else "label.file_open")
         self.setLabelText(QFileDialog.DialogLabel.Accept, text)
-
-    def _show_notice(self, text: str) -> None:
-        self.notice.setText(text)
-        self.notice.show()
 
 
 class FilePanel(Panel):
@@ -89,7 +85,7 @@ class FilePanel(Panel):
         super().__init__()
         self._texts = texts
         self.dialog: FileDialog | None = None
-        """the open dialog"""
+        """the newest dialog"""
 
     def choose_file(
         self,
@@ -104,13 +100,7 @@ class FilePanel(Panel):
         It closes with this panel, and replaces an open one. STOP works while it is open.
         """
         if self.dialog is not None:
-            self.dialog.destroyed.disconnect(self._forget_dialog)
-            self.dialog.close()
-        dialog = FileDialog(self._texts, self, title, mode, suffix, files)
-        dialog.fileSelected.connect(lambda file: self.intent.emit(made(Path(file))))
-        dialog.destroyed.connect(self._forget_dialog)
-        self.dialog = dialog
-        dialog.show()
-
-    def _forget_dialog(self) -> None:
-        self.dialog = None
+            self.dialog.deleteLater()
+        self.dialog = FileDialog(self._texts, self, title, mode, suffix, files)
+        self.dialog.fileSelected.connect(lambda file: self.intent.emit(made(Path(file))))
+        self.dialog.show()

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from importlib import resources
 
-from PyQt5.QtCore import QByteArray, QSize, Qt, pyqtSignal
-from PyQt5.QtGui import QIcon, QPainter, QPixmap, QResizeEvent
+from PyQt5.QtCore import QByteArray, QRectF, QSize, Qt, pyqtSignal
+from PyQt5.QtGui import QIcon, QPixmap, QResizeEvent
 from PyQt5.QtSvg import QSvgRenderer
 from PyQt5.QtWidgets import QGridLayout, QSizePolicy, QToolButton
 
 from beatrix_zenoh.client.choreography import GESTURES
-from gui.console.state.intents import Theme
+from gui.console.state.intents import Intent, Theme
 from gui.console.state.views import ButtonView, GesturesView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import ElidedLabel, Panel, set_role, set_text, spaced
+from gui.window.widgets.controls import ElidedLabel, Panel, set_role, spaced
+from gui.window.widgets.head3d_paint import painted
 
 PICTURE_PX = 26
 """Side of a picture at scale 1."""
@@ -31,18 +32,14 @@ class PictureButton(QToolButton):
     def __init__(self, picture: str) -> None:
         super().__init__()
         self._picture = picture
-        self._view: ButtonView | None = None
+        self._intent: Intent | None = None
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
-        self.clicked.connect(self._press)
-
-    def _press(self) -> None:
-        if self._view is not None:
-            self.intent.emit(self._view.intent)
+        self.clicked.connect(lambda: self.intent.emit(self._intent))
 
     def show_view(self, view: ButtonView) -> None:
         """Show the view's text, and enable or disable the button."""
-        self._view = view
+        self._intent = view.intent
         self.setText(view.text.replace("&", "&&"))
         self.setToolTip(f"{view.text}: {view.tooltip}")
         self.setAccessibleName(view.text)
@@ -66,13 +63,9 @@ def drawn(name: str, side: int, ratio: float, colours: tuple[str, str, str]) -> 
     text = resources.files(__package__).joinpath("pictures", f"{name}.svg").read_text(encoding="utf-8")
     for variable, colour in zip(("currentColor", "var(--face)", "var(--mark)"), colours, strict=True):
         text = text.replace(variable, colour)
-    pixmap = QPixmap(round(side * ratio), round(side * ratio))
-    pixmap.fill(Qt.GlobalColor.transparent)
-    painter = QPainter(pixmap)
-    QSvgRenderer(QByteArray(text.encode())).render(painter)
-    painter.end()
-    pixmap.setDevicePixelRatio(ratio)
-    return pixmap
+    with painted(side, side, ratio) as (image, painter):
+        QSvgRenderer(QByteArray(text.encode())).render(painter, QRectF(0, 0, side, side))
+    return QPixmap.fromImage(image)
 
 
 class GesturesPanel(Panel):
@@ -86,13 +79,11 @@ class GesturesPanel(Panel):
         self.setAccessibleName(texts("label.gestures"))
         self._all = (*self.buttons.values(), self.follow, self.open)
         grid = spaced(QGridLayout(self), 3, (3, 3, 3, 3))
+        self.reports(*(button.intent for button in self._all))
         for number, button in enumerate(self._all):
-            button.intent.connect(self.intent)
             grid.addWidget(button, *divmod(number, COLUMNS))
-        rows = grid.rowCount()
-        for row in range(rows):
-            grid.setRowStretch(row, 1)
-        grid.addWidget(self.note, rows, 0, 1, COLUMNS)
+            grid.setRowStretch(number // COLUMNS, 1)
+        grid.addWidget(self.note, grid.rowCount(), 0, 1, COLUMNS)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
@@ -121,7 +112,7 @@ class GesturesPanel(Panel):
         set_role(self.follow, "running", "yes" if view.following else "")
         tooltip = (f"{view.follow.text}: {view.follow.tooltip}", view.note, view.details)
         self.follow.setToolTip("\n".join(text for text in tooltip if text))
-        set_text(self.note, view.note)
+        self.note.setText(view.note)
         self._show_names()
         self.note.setVisible(bool(view.note))
         self.note.setToolTip(view.details)

@@ -3,35 +3,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
-from PyQt5.QtCore import QPoint, QPointF, QSize, Qt, QTimer, pyqtSignal
-from PyQt5.QtGui import QColor, QImage, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
-from PyQt5.QtWidgets import QHBoxLayout, QVBoxLayout
+from PyQt5.QtCore import QPoint, QPointF, Qt, QTimer
+from PyQt5.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
+from PyQt5.QtWidgets import QLabel
 
 from beatrix_zenoh.body.scene import Screen, Viewpoint
-from gui.console.state.intents import (
-    GrabHead,
-    HeadOrientation,
-    LiveHead,
-    ReleaseHead,
-    Theme,
-)
+from gui.console.state.intents import GrabHead, LiveHead, ReleaseHead
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, filled, plain_button, spaced
-from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, grabbed
-from gui.window.widgets.head3d_paint import (
-    GHOST,
-    Marks,
-    apart,
-    paint_ghost,
-    paint_marks,
-    paint_robot,
+from gui.window.widgets.controls import (
+    ChoiceCheck,
+    in_column,
+    in_row,
+    label,
+    plain_button,
 )
-from gui.window.widgets.head_pad import TargetWidget
+from gui.window.widgets.head import TargetWidget
+from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, grabbed
+from gui.window.widgets.head3d_paint import GHOST, Marks, apart, draw_lines, ghost, robot
 
 VIEWS: Final = {"front": Viewpoint(0.0), "behind": Viewpoint(180.0), "side": Viewpoint(90.0)}
 HALF_WIDTH: Final = 0.14
@@ -51,25 +43,30 @@ ZOOM_STEP: Final = 1.15
 class Head3d(TargetWidget):
     """Draws both robots from their positions, and reports new targets. Draws only when the picture changes."""
 
-    moved = pyqtSignal()
-    """the camera has moved"""
-
     def __init__(self, texts: Texts) -> None:
         super().__init__(texts("label.head3d"), texts("tip.head3d"))
         self._texts = texts
+        self._names, self._nothing = QLabel(), label(wrap=True)
+        self._nothing.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        self.views = {name: plain_button(texts(f"view.{name}"), texts("tip.view")) for name in VIEWS}
+        for name, button in self.views.items():
+            button.setCheckable(True)
+            button.clicked.connect(lambda _, name=name: self.look_from(VIEWS[name]))
+        self.live, self.send = ChoiceCheck(texts, "live"), ChoiceCheck(texts, "send_on_release")
+        self.reports(self.live.intent, self.send.intent)
+        below = in_row(self.live, self.send, None, *self.views.values())
+        in_column(self._names, (self._nothing, 1), below, margins=(9, 6, 9, 9), inside=self)
         self.camera = VIEWS["behind"]
         self._drag: Drag | None = None
         self._orbit: QPointF | None = None
         self._over: Part | None = None
         self._covered = 0, 0
-        self._pictures: dict[str, tuple[object, QImage]] = {}
         self._live = QTimer(self)
         self._live.setInterval(LIVE_MS)
         self._live.timeout.connect(lambda: self.intent.emit(LiveHead()))
         self.setMouseTracking(True)
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802 - Qt's name
-        return QSize(160, 130)
+        self.setMinimumSize(160, 130)
+        self.look_from(self.camera)
 
     @property
     def screen3d(self) -> Screen:
@@ -86,31 +83,47 @@ class Head3d(TargetWidget):
             self._covered = left, right
             self.update()
 
-    def show_theme(self, theme: Theme) -> None:
-        """Use the colours of a theme."""
-        self._pictures.clear()
-        super().show_theme(theme)
-
     def look_from(self, camera: Viewpoint) -> None:
         """Show the head from elsewhere."""
-        if camera != self.camera:
-            self.camera = camera
-            self.moved.emit()
-            self.update()
+        self.camera = camera
+        for name, button in self.views.items():
+            button.setChecked(math.isclose(camera.azimuth, VIEWS[name].azimuth))
+        self.update()
+
+    @property
+    def controls_height(self) -> int:
+        """Height of the controls at the lower edge (px)."""
+        return self.height() - min(control.y() for control in (self.live, *self.views.values()))
+
+    def show_view(self, view: HeadView) -> None:
+        """Draw the robots and the target; name the robots and a silent one, or say that none is online."""
+        super().show_view(view)
+        names = [
+            (f"{symbol} {self._texts(f'side.{side}')}", self._style.side(side))
+            for symbol, side in (("■", "hw"), ("+", "sim"))
+            if view.side(side) is not None
+        ]
+        if view.silent and view.shown is not None:
+            silent = f"◌ {self._texts(f'side.{view.solid}')}: {self._texts('condition.silent')}"
+            names.append((silent, self._style.bad))
+        texts = (f"<span style='color:{colour}'>{text}</span>" for text, colour in names)
+        self._names.setText(" &nbsp; ".join(texts))
+        for button in self.views.values():
+            button.setVisible(view.shown is not None)
+        self._nothing.setText("" if view.shown is not None else self._texts("label.no_head"))
 
     # Mouse
 
     def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802
         at, view = event.localPos(), self._view
-        part = None
-        if event.button() == Qt.MouseButton.LeftButton and view is not None:
-            part = grabbed(self.screen3d, view, at.x(), at.y())
+        left = event.button() == Qt.MouseButton.LeftButton
+        part = grabbed(self.screen3d, view, at.x(), at.y()) if left and view is not None else None
         if part is not None and view is not None:
-            self._drag = Drag.begin(self.screen3d, view.target, part, at.x(), at.y())
+            self._drag = Drag(self.screen3d, view.target, part, at.x(), at.y())
             self.setCursor(Qt.CursorShape.ClosedHandCursor)
             self.intent.emit(GrabHead())
             self.update()
-        elif event.button() in {Qt.MouseButton.LeftButton, Qt.MouseButton.RightButton}:
+        elif left or event.button() == Qt.MouseButton.RightButton:
             self._orbit = at
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:  # noqa: N802
@@ -153,15 +166,10 @@ class Head3d(TargetWidget):
         self.look_from(replace(self.camera, zoom=max(LEAST_ZOOM, min(MOST_ZOOM, zoom))))
         event.accept()
 
-    def _report(self, target: HeadOrientation) -> None:
-        if self._view is None or target != self._view.target:
-            super()._report(target)
-
     def _hover(self, part: Part | None) -> None:
         if part is not self._over:
             self._over = part
-            shape = Qt.CursorShape.OpenHandCursor if part else Qt.CursorShape.ArrowCursor
-            self.setCursor(shape)
+            self.setCursor(Qt.CursorShape.OpenHandCursor if part else Qt.CursorShape.ArrowCursor)
             self.update()
 
     def hideEvent(self, event: object) -> None:  # noqa: N802, ARG002
@@ -173,96 +181,32 @@ class Head3d(TargetWidget):
     # Drawing
 
     def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
-        painter = QPainter(self)
+        painter, view = QPainter(self), self._view
         try:
-            view = self._view
             painter.fillRect(self.rect(), QColor(self._style.field))
             if view is None:
                 return
             self._paint_robots(painter, view)
             painter.setRenderHint(QPainter.RenderHint.Antialiasing)
             part = self._over if self._drag is None else self._drag.part
-            marks = Marks(view, self.screen3d, self._style, part, dragged=self._drag is not None)
-            paint_marks(painter, marks, self._texts, focused=self.hasFocus())
+            if view.shown is not None:
+                marks = Marks(painter, view, self.screen3d, self._style, part)
+                marks.paint(dragged=self._drag is not None)
+            if self.hasFocus():
+                draw_lines(painter, self._style.accent, 2)
+                painter.drawRect(self.rect().adjusted(1, 1, -1, -1))
         finally:
             painter.end()  # Qt aborts if a painter stays active after an error
 
     def _paint_robots(self, painter: QPainter, view: HeadView) -> None:
-        """Draw one robot solid, and the other one as a translucent ghost; each picture is kept while its robot rests."""
-        screen, style = self.screen3d, self._style
+        """Draw one robot solid, and the other one, if it is elsewhere, as a translucent ghost."""
+        screen, ratio, style = self.screen3d, self.devicePixelRatioF(), self._style
         other = "hw" if view.solid == "sim" else "sim"
-        ghost, grey = view.side(other), view.silent
-        solid = self._picture(
-            "grey" if grey else "solid",
-            view.shown,
-            lambda painter: paint_robot(painter, view.shown, screen, style, grey=grey),
-        )
-        painter.drawImage(QPoint(0, 0), solid)
-        if ghost is not None and apart(ghost, view.shown):
-            tint = style.side(other)
-            image = self._picture(other, ghost, lambda painter: paint_ghost(painter, ghost, screen, tint))
+        beside = view.side(other)
+        if view.shown is not None:
+            solid = robot(view.shown, screen, ratio, style, silent=view.silent)
+            painter.drawImage(QPoint(0, 0), solid)
+        if beside is not None and apart(beside, view.shown):
             painter.setOpacity(GHOST)
-            painter.drawImage(QPoint(0, 0), image)
+            painter.drawImage(QPoint(0, 0), ghost(beside, screen, ratio, style.side(other)))
             painter.setOpacity(1.0)
-
-    def _picture(self, name: str, head: HeadOrientation | None, paint: Callable[[QPainter], None]) -> QImage:
-        ratio = self.devicePixelRatioF()
-        key = (head and head.tenths, self.screen3d, ratio)
-        known = self._pictures.get(name)
-        if known is not None and known[0] == key:
-            return known[1]
-        image = QImage(self.size() * ratio, QImage.Format.Format_ARGB32_Premultiplied)
-        image.setDevicePixelRatio(ratio)
-        image.fill(Qt.GlobalColor.transparent)
-        painter = QPainter(image)
-        try:
-            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            paint(painter)
-        finally:
-            painter.end()
-        self._pictures[name] = key, image
-        return image
-
-
-class Head3dPanel(Panel):
-    """The head in three dimensions, with the buttons of its views and the choices for dragging."""
-
-    def __init__(self, texts: Texts) -> None:
-        super().__init__()
-        self.head = Head3d(texts)
-        self.head.setProperty("sends", True)  # noqa: FBT003
-        self.views = {name: plain_button(texts(f"view.{name}"), texts("tip.view")) for name in VIEWS}
-        self.live, self.send = ChoiceCheck(texts, "live"), ChoiceCheck(texts, "send_on_release")
-        for name, button in self.views.items():
-            button.setCheckable(True)
-            button.clicked.connect(lambda _, name=name: self._look(name))
-        filled(QVBoxLayout(self.head), None, filled(QHBoxLayout(), None, *self.views.values()))
-        row = filled(spaced(QHBoxLayout(), None, (6, 0, 6, 4)), self.live, self.send, None)
-        filled(spaced(QVBoxLayout(self), 4, NO_MARGINS), (self.head, 1), row)
-        for part in (self.live, self.send, self.head):
-            part.intent.connect(self.intent)
-        self.head.moved.connect(self._show_camera)
-        self._show_camera()
-
-    @property
-    def controls_height(self) -> int:
-        """Height of the controls at the lower edge (px)."""
-        return self.height() - min(button.y() for button in self.views.values())
-
-    def show_view(self, view: HeadView) -> None:
-        """Show the robots."""
-        self.head.show_view(view)
-        for button in self.views.values():
-            button.setVisible(view.shown is not None)
-
-    def show_theme(self, theme: Theme) -> None:
-        """Use the colours and sizes of a theme."""
-        self.head.show_theme(theme)
-
-    def _look(self, name: str) -> None:
-        self.head.look_from(VIEWS[name])
-        self._show_camera()
-
-    def _show_camera(self) -> None:
-        for name, button in self.views.items():
-            button.setChecked(math.isclose(self.head.camera.azimuth, VIEWS[name].azimuth))

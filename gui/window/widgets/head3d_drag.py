@@ -52,6 +52,16 @@ def turned(head: HeadOrientation) -> Rotation:
     return rotation_of(*(math.radians(angle) for angle in (head.yaw, head.pitch, head.roll)))
 
 
+def furthest(view: HeadView) -> list[HeadOrientation]:
+    """Return the furthest leans of the target, in all directions."""
+    leans = view.drag.border
+    turns = [math.tau * k / len(leans) for k in range(len(leans))]
+    return [
+        HeadOrientation(view.target.yaw, lean * math.sin(turn), lean * math.cos(turn))
+        for lean, turn in zip(leans, turns, strict=True)
+    ]
+
+
 def on_screen(screen: Screen, head: HeadOrientation, point: tuple[float, float, float]) -> Floats:
     """Return x, y (px) and nearness (m) of a point of the head."""
     place: Floats = screen.place(np.array([point]) @ np.array(turned(head)).T)[0]
@@ -83,21 +93,13 @@ def grabbed(screen: Screen, view: HeadView, x: float, y: float) -> Part | None:
 class Drag:
     """A drag of the head, from its begin."""
 
-    part: Part
+    screen: Screen
     start: HeadOrientation
     """the target at the begin"""
+    part: Part
     x: float
     y: float
     """where the mouse was (px)"""
-    metre: float
-    """px"""
-    towards: float
-    """+1: the mouse moves the side of the head that faces the viewer, -1: the other side"""
-
-    @classmethod
-    def begin(cls, screen: Screen, target: HeadOrientation, part: Part, x: float, y: float) -> Drag:
-        """Begin a drag of a part at a point of the picture (px)."""
-        return cls(part, target, x, y, screen.scale, 1.0 if faces(screen, target) else -1.0)
 
     def at(self, x: float, y: float, lean_max: float, yaw_max: float) -> HeadOrientation:
         """Return the target with the mouse at a point of the picture (px).
@@ -105,11 +107,12 @@ class Drag:
         lean_max: largest length of (pitch, roll); yaw_max: largest yaw in both directions (deg).
         """
         lever = HEAD_RADIUS if self.part is Part.FACE else EAR_LEVER
-        degrees = math.degrees(1 / (lever * self.metre))
+        degrees = math.degrees(1 / (lever * self.screen.scale))
         right, up = (x - self.x) * degrees, (self.y - y) * degrees
         start = self.start
         if self.part is Part.FACE:
-            yaw, pitch, roll = start.yaw + self.towards * right, start.pitch - up, start.roll
+            yaw = start.yaw + (right if faces(self.screen, start) else -right)
+            pitch, roll = start.pitch - up, start.roll
         else:
             yaw, pitch = start.yaw, start.pitch
             roll = start.roll + (up if self.part is Part.LEFT_EAR else -up)
@@ -120,5 +123,4 @@ class Drag:
 
 def faces(screen: Screen, head: HeadOrientation) -> bool:
     """Return whether the near side of the head follows the mouse: the nose points to the viewer or to a side."""
-    yaw = math.radians(head.yaw - screen.camera.azimuth)
-    return math.degrees(math.acos(max(-1.0, min(1.0, math.cos(yaw))))) < FACING_DEG
+    return math.cos(math.radians(head.yaw - screen.camera.azimuth)) > math.cos(math.radians(FACING_DEG))

@@ -4,17 +4,7 @@ from __future__ import annotations
 
 from PyQt5.QtCore import QSignalBlocker, Qt, pyqtSignal
 from PyQt5.QtGui import QColor, QFontDatabase, QGuiApplication
-from PyQt5.QtWidgets import (
-    QFileDialog,
-    QHBoxLayout,
-    QLabel,
-    QListWidget,
-    QListWidgetItem,
-    QPushButton,
-    QSizePolicy,
-    QVBoxLayout,
-    QWidget,
-)
+from PyQt5.QtWidgets import QFileDialog, QListWidget, QListWidgetItem, QSizePolicy, QWidget
 
 from gui.console.state.intents import Repeat, Theme
 from gui.console.state.program import SaveProgram
@@ -24,12 +14,11 @@ from gui.window.theme import style_of
 from gui.window.widgets.controls import (
     NO_MARGINS,
     Panel,
-    filled,
+    in_column,
+    in_row,
     label,
     plain_button,
     set_role,
-    set_text,
-    spaced,
 )
 from gui.window.widgets.files import FilePanel
 
@@ -45,11 +34,8 @@ class HistoryPanel(Panel):
         self._rows: tuple[HistoryRowView, ...] = ()
         self._style = style_of(Theme.DARK)
         self._hint = texts("label.history_hint")
-        self.list = QListWidget()
-        self.list.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)  # rows are elided
-        self.list.setAccessibleName(texts("label.history"))
-        self.list.setMinimumHeight(40)
-        self.empty: QLabel = label(texts("label.history_empty"), "dim", wrap=True)
+        self.list = rows_list(texts("label.history"))
+        self.empty = label(texts("label.history_empty"), "dim", wrap=True)
         self.details = label(wrap=True)
         """time, seat and result of the selected row"""
         self.details.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
@@ -57,51 +43,46 @@ class HistoryPanel(Panel):
         self.python = plain_button(texts("label.copy_python"), texts("tip.copy_python"))
         self.uses = QWidget()
         """what can be done with the selected row"""
-        filled(spaced(QVBoxLayout(self.uses), 4, NO_MARGINS), self.details, self.repeat, self.python)
-        filled(spaced(QVBoxLayout(self), 4, (6, 6, 6, 6)), self.empty, (self.list, 1), self.uses)
+        in_column(self.details, self.repeat, self.python, gap=4, margins=NO_MARGINS, inside=self.uses)
+        in_column(self.empty, (self.list, 1), self.uses, gap=4, margins=(6, 6, 6, 6), inside=self)
         self.repeat.clicked.connect(self._repeat)
         self.python.clicked.connect(self._copy)
-        self.list.currentRowChanged.connect(self._show_buttons)
         self.list.currentRowChanged.connect(self._report_row)
         self.list.itemActivated.connect(self._repeat)
-        self._fill(())
+        self._fill()
 
     def show_view(self, rows: tuple[HistoryRowView, ...]) -> None:
         """Show the rows; the selected one stays selected while it exists."""
         if rows != self._rows:
-            self._fill(rows)
+            chosen, self._rows = self._chosen(), rows
+            self._fill(chosen)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours of a theme."""
         self._style = style_of(theme)
-        self._fill(self._rows)
+        self._fill(self._chosen())
 
     def choose(self, number: int) -> None:
         """Select the row of this number, unless it is no longer shown."""
-        self._select([row.row == number >= 0 for row in self._rows])
+        select(self.list, [row.row == number >= 0 for row in self._rows])
         self._show_buttons()
 
-    def _select(self, wanted: list[bool]) -> None:
-        """Select the first wanted row, or none."""
-        with QSignalBlocker(self.list):
-            self.list.setCurrentRow(wanted.index(True) if True in wanted else -1)
-
     def _report_row(self) -> None:
+        self._show_buttons()
         chosen = self._chosen()
         if chosen is not None:
             self.row_chosen.emit(chosen.row)
 
-    def _fill(self, rows: tuple[HistoryRowView, ...]) -> None:
-        chosen, self._rows = self._chosen(), rows
+    def _fill(self, chosen: HistoryRowView | None = None) -> None:
         with QSignalBlocker(self.list):
             self.list.clear()
-            for row in rows:
+            for row in self._rows:
                 self.list.addItem(self._item(row))
         same = None if chosen is None else (chosen.row, chosen.time, chosen.what)
-        self._select([(row.row, row.time, row.what) == same for row in rows])
-        self.empty.setVisible(not rows)
-        self.list.setVisible(bool(rows))
-        self.uses.setVisible(bool(rows))
+        select(self.list, [(row.row, row.time, row.what) == same for row in self._rows])
+        self.empty.setVisible(not self._rows)
+        self.list.setVisible(bool(self._rows))
+        self.uses.setVisible(bool(self._rows))
         self._show_buttons()
 
     def _item(self, row: HistoryRowView) -> QListWidgetItem:
@@ -118,7 +99,7 @@ class HistoryPanel(Panel):
 
     def _show_buttons(self) -> None:
         chosen = self._chosen()
-        set_text(self.details, self._hint if chosen is None else _details(chosen))
+        self.details.setText(self._hint if chosen is None else _details(chosen))
         set_role(self.details, "role", "dim" if chosen is None else "")
         self.repeat.setEnabled(chosen is not None and chosen.row >= 0)
         self.python.setEnabled(chosen is not None and bool(chosen.python))
@@ -129,9 +110,31 @@ class HistoryPanel(Panel):
             self.intent.emit(Repeat(chosen.row))
 
     def _copy(self) -> None:
-        chosen, clipboard = self._chosen(), QGuiApplication.clipboard()
-        if chosen is not None and clipboard is not None:
-            clipboard.setText(chosen.python)
+        chosen = self._chosen()
+        if chosen is not None:
+            copy(chosen.python)
+
+
+def rows_list(name: str) -> QListWidget:
+    """Return an empty list of rows."""
+    made = QListWidget()
+    made.setAccessibleName(name)
+    made.setMinimumHeight(40)
+    made.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+    return made
+
+
+def select(rows: QListWidget, wanted: list[bool]) -> None:
+    """Select the first wanted row, or none, without a signal."""
+    with QSignalBlocker(rows):
+        rows.setCurrentRow(wanted.index(True) if True in wanted else -1)
+
+
+def copy(text: str) -> None:
+    """Put a text into the clipboard."""
+    clipboard = QGuiApplication.clipboard()
+    if clipboard is not None:
+        clipboard.setText(text)
 
 
 def _details(row: HistoryRowView) -> str:
@@ -147,24 +150,19 @@ class CodePanel(FilePanel):
     def __init__(self, texts: Texts) -> None:
         super().__init__(texts)
         self._view = CodeView()
-        self.list = QListWidget()
-        self.list.setAccessibleName(texts("label.code"))
-        self.list.setMinimumHeight(40)
+        self.list = rows_list(texts("label.code"))
         self.list.setWordWrap(True)  # a line is wider than the panel
-        self.list.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.list.setFont(QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont))
         self.list.currentRowChanged.connect(self._report_row)
-        self.copy = self._button(texts, "copy")
-        self.save = self._button(texts, "save")
-        buttons = filled(spaced(QHBoxLayout(), 4), (self.copy, 1), (self.save, 1))
-        hint = label(texts("label.code_hint"), "dim", wrap=True)
-        filled(spaced(QVBoxLayout(self), 4, (6, 6, 6, 6)), hint, (self.list, 1), buttons)
-        self.copy.clicked.connect(self._copy)
+        self.copy, self.save = (
+            plain_button(texts(f"code.{name}"), texts(f"code.{name}_tip"), texts(f"code.{name}_name"))
+            for name in ("copy", "save")
+        )
+        self.copy.clicked.connect(lambda: copy(self._view.text))
         self.save.clicked.connect(self._choose_file)
-
-    @staticmethod
-    def _button(texts: Texts, name: str) -> QPushButton:
-        return plain_button(texts(f"code.{name}"), texts(f"code.{name}_tip"), texts(f"code.{name}_name"))
+        buttons = in_row((self.copy, 1), (self.save, 1), gap=4)
+        hint = label(texts("label.code_hint"), "dim", wrap=True)
+        in_column(hint, (self.list, 1), buttons, gap=4, margins=(6, 6, 6, 6), inside=self)
 
     def show_view(self, view: CodeView) -> None:
         """Show the program; the lines of the selected row stay selected, and new lines at the end become visible."""
@@ -177,9 +175,7 @@ class CodePanel(FilePanel):
 
     def choose(self, row: int) -> None:
         """Select the first line of a row of the history; none if the program has no such line."""
-        numbers = [number for number, line in enumerate(self._view.lines) if row > 0 and line.row == row]
-        with QSignalBlocker(self.list):
-            self.list.setCurrentRow(numbers[0] if numbers else -1)
+        select(self.list, [line.row == row > 0 for line in self._view.lines])
 
     def _chosen(self) -> CodeLine:
         number = self.list.currentRow()
@@ -188,11 +184,6 @@ class CodePanel(FilePanel):
     def _report_row(self) -> None:
         if self._chosen().row:
             self.row_chosen.emit(self._chosen().row)
-
-    def _copy(self) -> None:
-        clipboard = QGuiApplication.clipboard()
-        if clipboard is not None:
-            clipboard.setText(self._view.text)
 
     def _choose_file(self) -> None:
         save = QFileDialog.AcceptMode.AcceptSave

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import zip_longest
 
 from PyQt5.QtCore import QPoint, QRect
-from PyQt5.QtWidgets import QFileDialog, QFrame, QHBoxLayout, QLineEdit, QSizePolicy, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QFileDialog, QLineEdit, QSizePolicy, QWidget
 
 from gui.console.state.actions import UseAccount, UseRouter
 from gui.console.state.intents import DismissRefusal
@@ -16,13 +17,13 @@ from gui.window.widgets.controls import (
     IntentButton,
     Panel,
     Sheet,
-    filled,
+    in_column,
+    in_row,
     label,
+    named,
     plain_button,
     set_role,
-    set_text,
     show_each,
-    spaced,
 )
 from gui.window.widgets.files import FilePanel
 
@@ -38,39 +39,35 @@ class Banner(Panel):
         """Create a hidden banner; a `quiet` one looks like a panel, because nothing is wrong."""
         super().__init__("panel" if quiet else "notice")
         self.text = label(role="" if quiet else "title", wrap=True)
-        self.buttons = [IntentButton(main=not number and not quiet) for number in range(BUTTONS)]
-        layout = QHBoxLayout(self)
+        # All now: Tab reaches widgets in the order of their creation.
+        self.buttons = [self.button(main=not number and not quiet) for number in range(BUTTONS)]
         above = 1 if quiet else 4
-        layout.setContentsMargins(10, above, 6, above)
-        layout.addWidget(self.text, 1)
-        for button in self.buttons:  # all now: Tab reaches widgets in the order of their creation
-            button.intent.connect(self.intent)
-            layout.addWidget(button)
+        in_row((self.text, 1), *self.buttons, margins=(10, above, 6, above), inside=self)
         self.hide()
 
     def show_view(self, view: BannerView | None) -> None:
         """Show the banner, or hide it."""
         if view is not None:
-            set_text(self.text, view.text)
-            show_each(view.buttons, self.buttons)
+            self.text.setText(view.text)
+            for button, shown in zip_longest(self.buttons, view.buttons):
+                button.show_view(shown)
         self.setVisible(view is not None)
 
 
-class TroubleNotice(QFrame):
+class TroubleNotice(Panel):
     """A line below the panels, until the user closes it."""
 
     def __init__(self, texts: Texts) -> None:
-        super().__init__()
-        self.setProperty("notice", True)  # noqa: FBT003
+        super().__init__("notice")
         self.text = label(wrap=True)
         self.close_button = plain_button(texts("label.dismiss"), texts("tip.dismiss"))
         self.close_button.clicked.connect(self.hide)
-        filled(spaced(QHBoxLayout(self), None, (10, 4, 6, 4)), (self.text, 1), self.close_button)
+        in_row((self.text, 1), self.close_button, margins=(10, 4, 6, 4), inside=self)
         self.hide()
 
     def show_text(self, text: str) -> None:
         """Show an error."""
-        set_text(self.text, f"✕ {text}")
+        self.text.setText(f"✕ {text}")
         self.setAccessibleName(text)
         self.show()
 
@@ -84,24 +81,20 @@ class RefusalNotice(Panel):
         self._picture = picture
         self._beside: QWidget | None = None
         self.text = label(wrap=True)
-        self.alternative, self.dismiss = IntentButton(main=True), IntentButton()
-        close = texts("label.dismiss")
-        self.dismiss.show_view(ButtonView(close, texts("tip.dismiss"), DismissRefusal()))
-        self.alternative.intent.connect(self.intent)
-        self.dismiss.intent.connect(self.intent)
-        buttons = filled(QHBoxLayout(), (self.alternative, 1), self.dismiss)
-        filled(spaced(QVBoxLayout(self), None, (10, 8, 10, 8)), self.text, buttons)
+        self.alternative = self.button(main=True)
+        self.dismiss = plain_button(texts("label.dismiss"), texts("tip.dismiss"))
+        self.dismiss.clicked.connect(lambda: self.intent.emit(DismissRefusal()))
+        buttons = in_row((self.alternative, 1), self.dismiss)
+        in_column(self.text, buttons, margins=(10, 8, 10, 8), inside=self)
         self.hide()
 
     def show_beside(self, view: RefusalView | None, beside: QWidget | None) -> None:
         """Show the refusal beside a widget, or hide it."""
         self._beside = beside
         if view is not None:
-            set_text(self.text, f"✕ {view.text}")
+            self.text.setText(f"✕ {view.text}")
             self.setAccessibleName(view.text)
-            if view.alternative is not None:
-                self.alternative.show_view(view.alternative)
-            self.alternative.setVisible(view.alternative is not None)
+            self.alternative.show_view(view.alternative)
             self.place()
             if self.isHidden():
                 self.raise_()
@@ -123,8 +116,6 @@ class RefusalNotice(Panel):
 SHEET_PX = 900
 GAP_PX = 28
 """Space between router and hardware, which stand side by side: a low window has no room for one below the other."""
-ROLES = {None: "", True: "good", False: "bad"}
-"""Role of the state of the router."""
 
 
 class RouterPanel(FilePanel):
@@ -132,30 +123,28 @@ class RouterPanel(FilePanel):
 
     def __init__(self, texts: Texts) -> None:
         super().__init__(texts)
-        self._view: RouterView | None = None
-        self.address = QLineEdit()
-        self.address.setAccessibleName(texts("label.router_address"))
-        self.address.setToolTip(texts("tip.router_address"))
+        self._address: str | None = None
+        self.address = named(QLineEdit(), texts("label.router_address"), texts("tip.router_address"))
         self.use, self.join = IntentButton(), IntentButton()
         self.state, self.account = label(wrap=True), label(wrap=True)
         title = label(texts("label.router"), "title")
-        first = filled(QHBoxLayout(), (self.address, 1), self.use)
-        last = filled(QHBoxLayout(), (self.account, 1), self.join)
-        filled(spaced(QVBoxLayout(self), 6, NO_MARGINS), title, first, self.state, last, None)
+        first = in_row((self.address, 1), self.use)
+        last = in_row((self.account, 1), self.join)
+        in_column(title, first, self.state, last, None, gap=6, margins=NO_MARGINS, inside=self)
         self.address.returnPressed.connect(self._use)
         self.use.intent.connect(self._use)
         self.join.intent.connect(self._choose)
 
     def show_view(self, view: RouterView) -> None:
         """Show the present router; keep an address that the user is typing."""
-        old, self._view = self._view, view
-        if old is None or old.address != view.address:
+        if view.address != self._address:
+            self._address = view.address
             self.address.setText(view.address)
             self.address.setCursorPosition(0)
-        set_text(self.state, view.text)
+        self.state.setText(view.text)
         self.state.setToolTip(view.details)
-        set_role(self.state, "role", ROLES[view.good])
-        set_text(self.account, view.account)
+        set_role(self.state, "role", "" if view.good is None else "good" if view.good else "bad")
+        self.account.setText(view.account)
         self.use.show_view(view.use)
         self.join.show_view(view.join)
 
@@ -173,24 +162,18 @@ class ConnectSheet(Sheet):
     def __init__(self, texts: Texts, parent: QWidget) -> None:
         super().__init__(texts("connect.title"), parent, SHEET_PX)
         self.router, self.text = RouterPanel(texts), label(wrap=True)
-        self.router.intent.connect(self.intent)
+        self.reports(self.router.intent)
         self.ports: list[IntentButton] = []
-        self._list = spaced(QVBoxLayout(), 6)
-        self.again, self.close_button = self._button(), self._button()
-        buttons = filled(QHBoxLayout(), self.again, None, self.close_button)
+        self._list = in_column(gap=6)
+        self.again, self.close_button = self.button(), self.button()
         title = label(texts("label.hw"), "title")
-        hardware = filled(spaced(QVBoxLayout(), 6), title, self.text, self._list, None)
-        columns = filled(spaced(QHBoxLayout(), GAP_PX), (self.router, 1), (hardware, 1))
-        filled(spaced(QVBoxLayout(self), 12, (20, 14, 20, 14)), columns, buttons)
-        self.hide()
-
-    def _button(self) -> IntentButton:
-        button = IntentButton()
-        button.intent.connect(self.intent)
-        return button
+        hardware = in_column(title, self.text, self._list, None, gap=6)
+        columns = in_row((self.router, 1), (hardware, 1), gap=GAP_PX)
+        buttons = in_row(self.again, None, self.close_button)
+        in_column(columns, buttons, gap=12, margins=(20, 14, 20, 14), inside=self)
 
     def _port(self, _view: ButtonView) -> IntentButton:
-        button = self._button()
+        button = self.button()
         button.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         self._list.addWidget(button)
         return button
@@ -201,10 +184,9 @@ class ConnectSheet(Sheet):
             self.hide()
             return
         self.router.show_view(view.router)
-        set_text(self.text, view.text)
+        self.text.setText(view.text)
         self.text.setToolTip(view.details)
         show_each(view.ports, self.ports, self._port)
-        self.again.show_view(view.again)
-        self.again.setVisible(bool(view.ports))
+        self.again.show_view(view.again if view.ports else None)
         self.close_button.show_view(view.close)
         self.appear(self.close_button)

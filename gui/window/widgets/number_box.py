@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from PyQt5.QtCore import QSize, Qt, QTimer
+from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtGui import QValidator
 from PyQt5.QtWidgets import QDoubleSpinBox, QLabel, QSizePolicy
 
@@ -26,9 +26,6 @@ class NumberBox(QDoubleSpinBox):
         self._texts = texts
         self.says = QLabel(self, Qt.WindowType.ToolTip)  # QToolTip hides when the focus or the pointer moves
         self.says.setProperty("role", "tooltip")
-        self._shown = QTimer(self)
-        self._shown.setSingleShot(True)
-        self._shown.timeout.connect(self.says.hide)
         self.setDecimals(1)
         self.setMinimum(least)
         self.setSuffix(unit)
@@ -36,13 +33,6 @@ class NumberBox(QDoubleSpinBox):
         self.setButtonSymbols(QDoubleSpinBox.ButtonSymbols.NoButtons)
         self.setAlignment(Qt.AlignmentFlag.AlignRight)
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
-
-    def sizeHint(self) -> QSize:  # noqa: N802
-        metrics = self.fontMetrics()
-        return QSize(metrics.horizontalAdvance(f"180.0{self.suffix()}") + 22, super().sizeHint().height())
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802
-        return self.sizeHint()
 
     def validate(self, text: str | None, position: int) -> tuple[QValidator.State, str, int]:
         """Accept numbers within the limits; let others be typed, so that `fixup` can name the limit."""
@@ -78,7 +68,7 @@ class NumberBox(QDoubleSpinBox):
             self.says.adjustSize()
             self.says.move(self.mapToGlobal(self.rect().bottomLeft()))
             self.says.show()
-            self._shown.start(SHOWN_MS)
+            QTimer.singleShot(SHOWN_MS, self.says.hide)
         return nearest
 
     def _typed(self, text: str | None) -> str:

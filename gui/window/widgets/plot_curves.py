@@ -1,104 +1,24 @@
-"""The parts of the plots: one plot with its curves and cursor, and the buttons above all plots."""
+"""One plot with its curves and cursor."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Container, Iterable, Sequence
-from typing import Final, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Final
 
 import numpy as np
 import pyqtgraph as pg
-from PyQt5.QtCore import QPoint, Qt, pyqtSignal
+from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtGui import QFont, QPen
-from PyQt5.QtWidgets import QAction, QHBoxLayout, QLabel, QMenu, QPushButton, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QLabel, QWidget
 from pyqtgraph.GraphicsScene.mouseEvents import HoverEvent
 
-from beatrix_zenoh.contract.names import ARMS, SIDES
-from beatrix_zenoh.contract.values import Value
 from gui.console.texts import Texts
 from gui.window.theme import Style
-from gui.window.widgets.controls import NO_MARGINS, filled, label, plain_button, spaced
+from gui.window.widgets.controls import NO_MARGINS, in_column
 from gui.window.widgets.plot_samples import SPAN_MAX_S, Samples
 
 SPAN_MIN_S: Final = 1.0
-SPANS: Final = (5, 20, 60)
-"""Times that the plots show at the press of a button (s)."""
-BOTH: Final = ("hw", "sim")
-"""The robots in the order in which they are drawn."""
-DIFFERENCE: Final = "difference"
-
-
-def described(text: str, tooltip: str) -> QPushButton:
-    """Return a button whose text is too short to be its name."""
-    return plain_button(text, tooltip, tooltip)
-
-
-class PlotBar(QWidget):
-    """The buttons above the plots."""
-
-    def __init__(self, texts: Texts) -> None:
-        super().__init__()
-        self._word = texts.word
-        row = spaced(QHBoxLayout(self), 4, (4, 4, 4, 0))
-        self.spans = {
-            seconds: described(f"{seconds} s", texts("tip.plot_span", seconds=str(seconds)))
-            for seconds in SPANS
-        }
-        self.pause = described(texts("plot.pause"), texts("tip.plot_pause"))
-        for button in (*self.spans.values(), self.pause):
-            button.setCheckable(True)
-        self.curves = described(f"{texts('plot.curves')} ▾", texts("tip.plot_curves"))
-        self.time = label(role="dim")
-        """time at the cursor"""
-        self.csv = described("CSV", texts("tip.plot_csv"))
-        self.png = described("PNG", texts("tip.plot_png"))
-        filled(row, *self.spans.values(), self.pause, self.curves, (self.time, 1), self.csv, self.png)
-        self.menu = QMenu(self)
-        self.choices = {
-            name: self._choice(texts(f"label.{name}" if name in (*SIDES, DIFFERENCE) else f"arm.{name}"))
-            for name in (*BOTH, *ARMS, DIFFERENCE)
-        }
-        """by side, arm or DIFFERENCE"""
-        self.menu.addSeparator()
-        self.values = self.menu.addMenu(texts("plot.values"))
-        """the values of the robots, in groups; `offer` fills it"""
-        self.curves.clicked.connect(self._open_menu)
-
-    def _choice(self, text: str) -> QAction:
-        action = QAction(text, self.menu)
-        action.setCheckable(True)
-        action.setChecked(True)
-        self.menu.addAction(action)
-        return action
-
-    def _open_menu(self) -> None:
-        """Open the menu without blocking the window."""
-        self.menu.popup(self.curves.mapToGlobal(QPoint(0, self.curves.height())))
-
-    def chosen(self, name: str) -> bool:
-        """Return whether a side, an arm or the difference is shown."""
-        return self.choices[name].isChecked()
-
-    def offer(
-        self, found: Iterable[Value], watched: Container[str], watch: Callable[[Value, bool], None]
-    ) -> None:
-        """Offer these values in the menu; those whose field is in `watched` are checked."""
-        self.values.clear()
-        groups: dict[str, QMenu] = {}
-        for value in found:
-            if value.group not in groups:
-                groups[value.group] = self.values.addMenu(self._word(value.group))
-            action = groups[value.group].addAction(self._word(value.title))
-            action.setCheckable(True)
-            action.setChecked(value.field in watched)
-            action.toggled.connect(lambda on, value=value: watch(value, on))
-
-
-class Name(NamedTuple):
-    """Name of a curve in the legend, and the sign that looks like its line."""
-
-    sign: str
-    text: str
 
 
 class TimeBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
@@ -122,22 +42,22 @@ class Curves(QWidget):
     """One plot: curves over time, under a title and a legend."""
 
     moved = pyqtSignal(float, float)
-    """the plot shows other times (s, before now)"""
+    """the user wants to see other times (s, before now)"""
 
-    def __init__(self, texts: Texts, title: str, least: float, names: Sequence[Name]) -> None:
+    def __init__(
+        self, parent: QWidget, texts: Texts, title: str, least: float, names: Sequence[tuple[str, str]]
+    ) -> None:
         """Create a plot without samples.
 
         Args:
+            parent: the panel of all plots.
             texts: the language, also of the numbers.
             title: quantity and unit.
             least: smallest range of the vertical axis.
-            names: name of each curve; a curve without a name is not in the legend. The last curve is on top.
+            names: of each curve a sign that looks like its line, and its name, which may be empty. The last is on top.
         """
-        super().__init__()
-        self._texts, self._title, self._names = texts, title, names
-        self._legend: list[str] = []
-        self._chosen = [True for _ in names]
-        self._shown: list[tuple[Samples, Samples]] = []
+        super().__init__(parent)
+        self._texts, self.title, self._names = texts, title, names
         self.label = QLabel()
         self.label.setWordWrap(True)
         self.box = TimeBox()
@@ -147,12 +67,12 @@ class Curves(QWidget):
         self.plot = self.area.getPlotItem()
         self.plot.hideButtons()
         self.plot.showGrid(x=True, y=True, alpha=0.2)
-        filled(spaced(QVBoxLayout(self), 0, NO_MARGINS), self.label, (self.area, 1))
+        in_column(self.label, (self.area, 1), gap=0, margins=NO_MARGINS, inside=self)
         self.lines = [self.plot.plot(connect="finite", antialias=True, clipToView=True) for _ in names]
         self._cursor = pg.InfiniteLine(angle=90)
         self._cursor.hide()
         self.plot.addItem(self._cursor, ignoreBounds=True)
-        self.box.sigXRangeChanged.connect(lambda _, times: self.moved.emit(*times))
+        self.box.sigRangeChangedManually.connect(lambda: self.moved.emit(*self.box.viewRange()[0]))
         for side, unit in (("left", ""), ("bottom", " s")):
             axis = self.plot.getAxis(side)
             axis.enableAutoSIPrefix(enable=False)
@@ -169,50 +89,36 @@ class Curves(QWidget):
     def _number(self, value: float, key: str) -> str:
         return self._texts(key, value=round(value, 6) + 0.0)
 
-    def show_times(self, begin_s: float, end_s: float) -> None:
-        """Show these times (s, before now)."""
-        self.box.setXRange(begin_s, end_s, padding=0.0)
-
     def choose(self, chosen: Sequence[bool]) -> None:
         """Show only the chosen curves, in the plot and in the legend."""
-        self._chosen = list(chosen)
         for line, shown in zip(self.lines, chosen, strict=True):
             line.setVisible(shown)
-        self._show_legend()
 
-    def rename(self, title: str) -> None:
-        """Show another quantity and unit."""
-        self._title = title
-        self._show_legend()
-
-    def draw(self, curves: Sequence[tuple[Samples, Samples]]) -> None:
-        """Draw times (s, before now) and values of each curve."""
-        self._shown = list(curves)
+    def draw(self, curves: Sequence[tuple[Samples, Samples]], cursor_s: float | None) -> None:
+        """Draw times (s, before now) and values of each curve; show the values at the cursor, if there is one."""
         for line, (times, values) in zip(self.lines, curves, strict=True):
             line.setData(times, values)
+        self._cursor.setVisible(cursor_s is not None)
+        if cursor_s is not None:
+            self._cursor.setPos(cursor_s)
+        self._show_legend([self._value(*curve, cursor_s) for curve in curves])
 
-    def read(self, time_s: float | None) -> None:
-        """Put the cursor at a time (s, before now), and the values there into the legend; None: no cursor."""
-        self._cursor.setVisible(time_s is not None)
-        values: list[str] = []
-        if time_s is not None:
-            self._cursor.setPos(time_s)
-            values = [self._value(times, angles, time_s) for times, angles in self._shown]
-        self._show_legend(values)
+    def _value(self, times: Samples, values: Samples, time_s: float | None) -> str:
+        """Return a value in bold; empty without a time."""
+        if time_s is None:
+            return ""
+        value = np.interp(time_s, times, values, left=math.nan, right=math.nan) if len(times) else math.nan
+        known = math.isfinite(value)
+        return f"<b>{self._number(float(value), 'plot.value') if known else self._texts('unknown')}</b>"
 
-    def _value(self, times: Samples, angles: Samples, time_s: float) -> str:
-        value = np.interp(time_s, times, angles, left=math.nan, right=math.nan) if len(times) else math.nan
-        return self._number(float(value), "plot.value") if math.isfinite(value) else self._texts("unknown")
-
-    def _show_legend(self, values: Sequence[str] = ()) -> None:
+    def _show_legend(self, values: Sequence[str]) -> None:
         """Show the title, the names of the curves, and their values, if there are any."""
-        entries = [f"<b>{self._title}</b>"]
-        for number, (line, name) in enumerate(zip(self._legend, self._names, strict=False)):
-            words = [name.text] if name.text else []
-            if values:
-                words.append(f"<b>{values[number]}</b>")
-            if words and self._chosen[number]:
-                entries.append(f"{line}&nbsp;" + " ".join(words).replace(" ", "&nbsp;"))
+        entries = [f"<b>{self.title}</b>"]
+        for line, (sign, name), value in zip(self.lines, self._names, values, strict=True):
+            words = " ".join(filter(None, (name, value)))
+            if words and line.isVisible():
+                mark = f"<span style='color:{line.opts['pen'].color().name()}'>{sign}</span>"
+                entries.append(f"{mark}&nbsp;{words.replace(' ', '&nbsp;')}")
         text = " &nbsp; ".join(entries)
         if text != self.label.text():
             self.label.setText(text)
@@ -222,11 +128,6 @@ class Curves(QWidget):
         for line, pen in zip(self.lines, pens, strict=True):
             line.setPen(pen)
         self._cursor.setPen(pg.mkPen(colours.edge, width=1, style=Qt.PenStyle.DashLine))
-        self._legend = [
-            f"<span style='color:{pen.color().name()}'>{name.sign.replace(' ', '&nbsp;')}</span>"
-            for pen, name in zip(pens, self._names, strict=True)
-        ]
-        self._show_legend()
         self.label.setStyleSheet(f"color: {colours.text}; font-size: {colours.px(12)}px")
         self.area.setBackground(colours.field)
         font = QFont()

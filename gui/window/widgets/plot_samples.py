@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 from collections.abc import Mapping, Sequence
 from typing import Final
@@ -33,10 +34,11 @@ class History:
         self._columns = [*columns]
         self._count, self._last_s = 0, -math.inf
 
-    @property
-    def samples(self) -> Samples:
-        """A copy of all samples, oldest first."""
-        return np.roll(self._rows, -self._count, axis=0)[CAPACITY - min(self._count, CAPACITY) :]
+    def samples(self, now_s: float) -> Samples:
+        """Return all samples, oldest first, with times before now."""
+        kept = np.roll(self._rows, -self._count, axis=0)[CAPACITY - min(self._count, CAPACITY) :]
+        kept[:, 0] -= now_s
+        return kept
 
     def forget(self, column: str) -> None:
         """Clear a column, whose values from now on are another quantity."""
@@ -101,22 +103,19 @@ def table(samples: Mapping[str, Samples], names: Sequence[str], begin_s: float, 
     field is empty where there are none.
     """
     found = {side: rows for side, rows in samples.items() if len(rows)}
-    lines = [",".join(("time_s", *(f"{side}_{name}" for side in found for name in names)))]
+    header = ",".join(("time_s", *(f"{side}_{name}" for side in found for name in names)))
     times = next(iter(found.values()))[:, 0] if found else np.empty(0)
     times = times[(times >= begin_s) & (times <= end_s)]
-    columns = [_interpolated(rows, times) for rows in found.values()]
-    for number, time_s in enumerate(times):
-        angles = [
-            f"{angle:.3f}" if math.isfinite(angle) else "" for rows in columns for angle in rows[number]
-        ]
-        lines.append(",".join((f"{time_s:.3f}", *angles)))
-    return "\n".join(lines) + "\n"
+    text = io.StringIO()
+    np.savetxt(
+        text, np.column_stack((times, *(_interpolated(rows, times) for rows in found.values()))), "%.3f", ","
+    )
+    return f"{header}\n{text.getvalue().replace('nan', '')}"
 
 
 def _interpolated(rows: Samples, times: Samples) -> Samples:
     """Return all columns at some times (s), without the time; NaN before the first sample and after the last."""
     columns = [
-        np.interp(times, rows[:, 0], rows[:, arm], left=math.nan, right=math.nan)
-        for arm in range(1, rows.shape[1])
+        np.interp(times, rows[:, 0], column, left=math.nan, right=math.nan) for column in rows[:, 1:].T
     ]
     return np.stack(columns, axis=1)

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import Final
 
 import pyqtgraph as pg
-from PyQt5.QtCore import QBuffer, QIODevice, QSignalBlocker, Qt
+from PyQt5.QtCore import QBuffer, QIODevice, Qt
 from PyQt5.QtGui import QColor, QResizeEvent, QShowEvent
-from PyQt5.QtWidgets import (
-    QFileDialog,
-    QGridLayout,
-    QVBoxLayout,
-    QWidget,
-)
+from PyQt5.QtWidgets import QAction, QFileDialog, QGridLayout, QMenu, QPushButton, QWidget
 
 from beatrix_zenoh import colours as hues
 from beatrix_zenoh.client import RobotState
@@ -24,9 +21,9 @@ from gui.console.state.intents import Theme
 from gui.console.state.world import World
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import NO_MARGINS, filled, set_text, spaced
+from gui.window.widgets.controls import NO_MARGINS, in_column, in_row, label, plain_button, spaced
 from gui.window.widgets.files import FilePanel
-from gui.window.widgets.plot_curves import BOTH, DIFFERENCE, Curves, Name, PlotBar
+from gui.window.widgets.plot_curves import Curves
 from gui.window.widgets.plot_samples import (
     SPAN_MAX_S,
     History,
@@ -37,6 +34,11 @@ from gui.window.widgets.plot_samples import (
     table,
 )
 
+BOTH: Final = ("hw", "sim")
+"""The robots in the order in which they are drawn."""
+DIFFERENCE: Final = "difference"
+SPANS: Final = (5, 20, 60)
+"""Times that the plots show at the press of a button (s)."""
 SPAN_S: Final = 20.0
 """Time that the plots show at first."""
 LEAST_ARM_DEG: Final = 20.0
@@ -50,7 +52,7 @@ COLUMNS: Final = (*ARMS, *SLOTS)
 LEAST_DIFFERENCE_DEG: Final = 2.0
 """Smallest range (deg) of the vertical axis of the difference plot."""
 STYLES: Final = (Qt.PenStyle.SolidLine, Qt.PenStyle.DashLine, Qt.PenStyle.DotLine)
-SIGNS: Final = ("—", "– –", "···")
+SIGNS: Final = ("—", "–&nbsp;–", "···")
 """Line styles of the difference, and signs that look like them: short, middle, long arm."""
 LOW: Final = 20
 """Height of the panel, in lines of text, below which the plots stand in two columns."""
@@ -76,57 +78,91 @@ class PlotsPanel(FilePanel):
         self._paused: dict[str, Samples] | None = None
         """the samples while the plots are paused"""
         self._cursor_s: float | None = None
-        self._world: World | None = None
-        self.bar = PlotBar(texts)
+        self._states: dict[str, RobotState] = {}
+        bar = self._bar(texts)
         self._graphics = QWidget()
         self._graphics.setAutoFillBackground(True)
         self.plots = self._made_plots(texts)
         """by arm, slot, and DIFFERENCE; those of the slots are hidden until the user chooses other values"""
-        self._lay_out()
-        self._connect()
-        self._choose()
-        self.show_span(SPAN_S)
-        self.show_theme(Theme.DARK)
-
-    @staticmethod
-    def _made_plots(texts: Texts) -> dict[str, Curves]:
-        sides = (Name("▬", texts("label.hw")), Name("—", texts("label.sim")))
-        unnamed = tuple(name._replace(text="") for name in sides)
-        plots = {
-            arm: Curves(
-                texts,
-                f"<span style='color:{hues.hexadecimal(hues.ARMS[arm])}'>●</span> "
-                + texts(f"label.plot_{arm}"),
-                LEAST_ARM_DEG,
-                sides if arm == ARMS[0] else unnamed,
-            )
-            for arm in ARMS
-        }
-        plots |= {slot: Curves(texts, "", LEAST_VALUE, sides) for slot in SLOTS}
-        arms = [Name(sign, texts(f"arm.{arm}")) for sign, arm in zip(SIGNS, ARMS, strict=True)]
-        return plots | {
-            DIFFERENCE: Curves(texts, f"{texts('label.difference')} (°)", LEAST_DIFFERENCE_DEG, arms)
-        }
-
-    def _lay_out(self) -> None:
-        for curves in self.plots.values():
-            curves.setParent(self._graphics)  # before it is in the grid, a plot must not become a window
         self._grid = spaced(QGridLayout(self._graphics), None, (4, 2, 4, 2))
         self._grid.setVerticalSpacing(0)
-        filled(spaced(QVBoxLayout(self), 0, NO_MARGINS), self.bar, (self._graphics, 1))
-
-    def _connect(self) -> None:
-        for seconds, button in self.bar.spans.items():
-            button.clicked.connect(lambda _, seconds=seconds: self.show_span(seconds))
-        self.bar.pause.clicked.connect(self.pause)
-        self.bar.menu.aboutToShow.connect(self._offer)
-        for action in self.bar.choices.values():
-            action.toggled.connect(self._choose)
-        self.bar.csv.clicked.connect(self._export_table)
-        self.bar.png.clicked.connect(self._export_picture)
+        in_column(bar, (self._graphics, 1), gap=0, margins=NO_MARGINS, inside=self)
         for curves in self.plots.values():
             curves.box.pointed.connect(self._point)
             curves.moved.connect(self._show_times)
+        self.show_theme(Theme.DARK)
+        self.show_span(SPAN_S)
+
+    def _made_plots(self, texts: Texts) -> dict[str, Curves]:
+        signs = ("▬", "—")
+        sides = [(sign, texts(f"label.{side}")) for sign, side in zip(signs, BOTH, strict=True)]
+        arms = [(sign, texts(f"arm.{arm}")) for sign, arm in zip(SIGNS, ARMS, strict=True)]
+        plots = dict[str, Curves]()
+        for arm in ARMS:  # the first one names the robots
+            dot = f"<span style='color:{hues.hexadecimal(hues.ARMS[arm])}'>●</span>"
+            names = [(sign, "") for sign in signs] if plots else sides
+            title = f"{dot} {texts(f'label.plot_{arm}')}"
+            plots[arm] = Curves(self._graphics, texts, title, LEAST_ARM_DEG, names)
+        for slot in SLOTS:
+            plots[slot] = Curves(self._graphics, texts, "", LEAST_VALUE, sides)
+        title = f"{texts('label.difference')} (°)"
+        plots[DIFFERENCE] = Curves(self._graphics, texts, title, LEAST_DIFFERENCE_DEG, arms)
+        return plots
+
+    def _bar(self, texts: Texts) -> QWidget:
+        """Return the buttons above the plots."""
+        self.spans = {
+            seconds: self._button(f"{seconds} s", "plot_span", seconds=str(seconds)) for seconds in SPANS
+        }
+        for seconds, button in self.spans.items():
+            button.setCheckable(True)
+            button.clicked.connect(lambda _, seconds=seconds: self.show_span(seconds))
+        self.hold = self._button(texts("plot.pause"), "plot_pause")
+        self.hold.setCheckable(True)
+        self.hold.clicked.connect(self.pause)
+        self.menu = QMenu(self)
+        self.menu.aboutToShow.connect(self._offer)
+        self.choices = {
+            name: self._choice(
+                self.menu, texts(f"arm.{name}" if name in ARMS else f"label.{name}"), self._choose
+            )
+            for name in (*BOTH, *ARMS, DIFFERENCE)
+        }
+        """by side, arm or DIFFERENCE"""
+        self.menu.addSeparator()
+        self.values = self.menu.addMenu(texts("plot.values"))
+        """the values of the robots, in groups; `_offer` fills it"""
+        curves = self._button(f"{texts('plot.curves')} ▾", "plot_curves")
+        # Without blocking the window, as `setMenu` would.
+        curves.clicked.connect(lambda: self.menu.popup(curves.mapToGlobal(curves.rect().bottomLeft())))
+        self.time = label(role="dim")
+        """time at the cursor"""
+        self.csv, self.png = (self._button(kind.upper(), f"plot_{kind}") for kind in ("csv", "png"))
+        self.csv.clicked.connect(self._export_table)
+        self.png.clicked.connect(self._export_picture)
+        short, middle, long = self.spans.values()
+        parts = short, middle, long, self.hold, curves, (self.time, 1), self.csv, self.png
+        bar = QWidget()
+        in_row(*parts, gap=4, margins=(4, 4, 4, 0), inside=bar)
+        return bar
+
+    def _button(self, text: str, tip: str, **slots: str) -> QPushButton:
+        """Return a button whose tooltip is also its name, because its text is too short."""
+        tooltip = self._texts(f"tip.{tip}", **slots)
+        return plain_button(text, tooltip, tooltip)
+
+    @staticmethod
+    def _choice(menu: QMenu, text: str, do: Callable[[bool], None], *, on: bool = True) -> QAction:
+        """Return a new entry of a menu that is on or off, and does something with each change."""
+        action = menu.addAction(text)
+        action.setCheckable(True)
+        action.setChecked(on)
+        action.toggled.connect(do)
+        return action
+
+    def _chosen(self, name: str) -> bool:
+        """Return whether a side, an arm or the difference is shown."""
+        return self.choices[name].isChecked()
 
     # -- samples ------------------------------------------------------------------------------------
 
@@ -136,12 +172,11 @@ class PlotsPanel(FilePanel):
             self._robot, self._histories = world.robot, {side: History(COLUMNS) for side in BOTH}
             self.pause(on=False)
         for side, history in self._histories.items():
-            state = world.side(side)
-            reading = state.reading
-            if reading is not None:
-                arms = reading.arms
-                history.add(sample_time_s(state, world.now_s), (*arms, *self._others(state)))
-        self._now_s, self._world = world.now_s, world
+            state = self._states[side] = world.side(side)
+            if state.reading is not None:
+                values = *state.reading.arms, *self._others(state)
+                history.add(sample_time_s(state, world.now_s), values)
+        self._now_s = world.now_s
         if self._paused is None and self.isVisible():
             self._draw()
 
@@ -153,11 +188,17 @@ class PlotsPanel(FilePanel):
 
     def _offer(self) -> None:
         """Offer all numbers of both robots in the menu."""
+        self.values.clear()
         found: dict[str, Value] = {}
-        if self._world is not None:
-            for side in BOTH:
-                found |= numbers(self._world.side(side))
-        self.bar.offer(found.values(), {value.field for value in self._watched.values()}, self.watch)
+        for state in self._states.values():
+            found |= numbers(state)
+        groups: dict[str, QMenu] = {}
+        for value in found.values():
+            if value.group not in groups:
+                groups[value.group] = self.values.addMenu(self._texts.word(value.group))
+            on = value.field in {watched.field for watched in self._watched.values()}
+            watch = partial(self.watch, value)
+            self._choice(groups[value.group], self._texts.word(value.title), watch, on=on)
 
     def watch(self, value: Value, on: bool) -> None:  # noqa: FBT001 - Qt's signal has it
         """Show a value from now on in a slot, if all are in use in that of the value chosen first; or show it no longer."""
@@ -174,27 +215,24 @@ class PlotsPanel(FilePanel):
     def _samples(self) -> dict[str, Samples]:
         """Return the samples of the chosen robots, with times before now or before the pause."""
         found = self._present() if self._paused is None else self._paused
-        return {side: rows if self.bar.chosen(side) else rows[:0] for side, rows in found.items()}
+        return {side: rows if self._chosen(side) else rows[:0] for side, rows in found.items()}
 
     def _present(self) -> dict[str, Samples]:
-        found = {side: history.samples for side, history in self._histories.items()}
-        for rows in found.values():
-            rows[:, 0] -= self._now_s
-        return found
+        return {side: history.samples(self._now_s) for side, history in self._histories.items()}
 
     def _draw(self) -> None:
         samples = self._samples()
         hw, sim = (samples[side] for side in BOTH)
+        apart = difference(hw, sim)
         for name, curves in self.plots.items():
-            if curves.isHidden():
-                continue
             if name == DIFFERENCE:
-                apart = difference(hw, sim)
-                curves.draw([(apart[:, 0], apart[:, arm]) for arm in range(1, 1 + len(ARMS))])
+                shown = [(apart[:, 0], apart[:, column]) for column in range(1, 1 + len(ARMS))]
             else:
-                curves.draw([(rows[:, 0], rows[:, 1 + COLUMNS.index(name)]) for rows in (hw, sim)])
-        if self._cursor_s is not None:
-            self._read()
+                shown = [(rows[:, 0], rows[:, 1 + COLUMNS.index(name)]) for rows in (hw, sim)]
+            if self._shown(name):
+                curves.draw(shown, self._cursor_s)
+        at_s = self._cursor_s
+        self.time.setText("" if at_s is None else self._texts("plot.time", seconds=at_s))
 
     # -- what is shown ------------------------------------------------------------------------------
 
@@ -206,7 +244,7 @@ class PlotsPanel(FilePanel):
         """Keep the present samples on the screen, or follow the robots again."""
         if on != (self._paused is not None):
             self._paused = self._present() if on else None
-            self.bar.pause.setChecked(on)
+            self.hold.setChecked(on)
             self._show_times(self._begin_s, self._end_s)
 
     def _show_times(self, begin_s: float, end_s: float) -> None:
@@ -215,38 +253,30 @@ class PlotsPanel(FilePanel):
             begin_s, end_s = begin_s - end_s, 0.0
         self._begin_s, self._end_s = begin_s, end_s
         for curves in self.plots.values():
-            with QSignalBlocker(curves):
-                curves.show_times(begin_s, end_s)
-        for seconds, button in self.bar.spans.items():
+            curves.box.setXRange(begin_s, end_s, padding=0.0)
+        for seconds, button in self.spans.items():
             button.setChecked(math.isclose(end_s - begin_s, seconds))
         self._point(self._cursor_s)
-        self._draw()
 
     def _point(self, time_s: float | None) -> None:
+        """Show the values at a time (s), if it is shown."""
         inside = time_s is not None and self._begin_s <= time_s <= self._end_s
         self._cursor_s = time_s if inside else None
-        self._read()
+        self._draw()
 
-    def _read(self) -> None:
-        """Show the values at the cursor."""
-        for curves in self.plots.values():
-            curves.read(self._cursor_s)
-        at_s = self._cursor_s
-        set_text(self.bar.time, "" if at_s is None else self._texts("plot.time", seconds=at_s))
-
-    def _choose(self) -> None:
-        """Show the chosen plots."""
+    def _choose(self, _changed: object = None) -> None:
+        """Show the chosen plots and curves."""
         for slot, value in self._watched.items():
             words = " ".join(self._texts.word(part) for part in (value.group, value.title))
-            self.plots[slot].rename(f"{words} ({value.unit})" if value.unit else words)
+            self.plots[slot].title = f"{words} ({value.unit})" if value.unit else words
         for name, curves in self.plots.items():
-            curves.choose([self.bar.chosen(part) for part in (ARMS if name == DIFFERENCE else BOTH)])
+            curves.choose([self._chosen(part) for part in (ARMS if name == DIFFERENCE else BOTH)])
             curves.setVisible(self._shown(name))
         self._arrange()
         self._draw()
 
     def _shown(self, name: str) -> bool:
-        return name in self._watched if name in SLOTS else self.bar.chosen(name)
+        return name in self._watched if name in SLOTS else self._chosen(name)
 
     def _arrange(self) -> None:
         """Put the chosen plots into one column or, in a low panel, into two; the lowest have the labels of the time."""
@@ -266,7 +296,7 @@ class PlotsPanel(FilePanel):
         names = {arm: f"{arm}_deg" for arm in ARMS}
         names |= {slot: self._watched[slot].field for slot in SLOTS if slot in self._watched}
         columns = [0, *(1 + COLUMNS.index(name) for name in names)]
-        samples = {side: rows[:, columns] for side, rows in self._samples().items() if self.bar.chosen(side)}
+        samples = {side: rows[:, columns] for side, rows in self._samples().items() if self._chosen(side)}
         self._save("plot_csv", table(samples, [*names.values()], self._begin_s, self._end_s))
 
     def _export_picture(self) -> None:
@@ -289,18 +319,17 @@ class PlotsPanel(FilePanel):
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours of a theme; lines for a projector are wider."""
-        colours = style_of(theme)
-        self._arrange()
-        thin = 3.0 if theme is Theme.PROJECTOR else 1.5
+        colours, thin = style_of(theme), 3.0 if theme is Theme.PROJECTOR else 1.5
         pale = QColor(colours.hw)
         pale.setAlphaF(0.55)
         ground = self._graphics.palette()
         ground.setColor(self._graphics.backgroundRole(), QColor(colours.field))
         self._graphics.setPalette(ground)
-        pens = [pg.mkPen(pale, width=3 * thin), pg.mkPen(colours.sim, width=thin)]
+        sides = [pg.mkPen(pale, width=3 * thin), pg.mkPen(colours.sim, width=thin)]
         arms = [
             pg.mkPen(hues.hexadecimal(hues.ARMS[arm]), width=thin, style=style)
             for arm, style in zip(ARMS, STYLES, strict=True)
         ]
         for name, curves in self.plots.items():
-            curves.show_theme(arms if name == DIFFERENCE else pens, colours)
+            curves.show_theme(arms if name == DIFFERENCE else sides, colours)
+        self._choose()

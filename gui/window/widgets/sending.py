@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from PyQt5.QtCore import QSignalBlocker, Qt, pyqtSignal
-from PyQt5.QtWidgets import QHBoxLayout, QProgressBar, QPushButton, QSizePolicy, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QLayout, QProgressBar, QPushButton, QSizePolicy, QWidget
 
 from gui.console.state.intents import Choose, WindowPage
-from gui.console.state.views import CommandsView, SendingView, View
+from gui.console.state.views import CommandsView, View
 from gui.console.texts import Texts
 from gui.window.widgets.controls import (
     NO_MARGINS,
     ChoiceCheck,
     IntentButton,
     Panel,
-    filled,
+    in_column,
+    in_row,
     label,
+    named,
     set_role,
-    set_text,
-    spaced,
 )
 from gui.window.widgets.number_box import NumberBox
 
@@ -32,7 +32,6 @@ class SendingPanel(Panel):
     def __init__(self, texts: Texts) -> None:
         super().__init__("panel")
         self._texts = texts
-        self._view: SendingView | None = None
         self.setAccessibleName(texts("label.send_to"))
         self.sim, self.hw = ChoiceCheck(texts, "sim"), ChoiceCheck(texts, "hw")
         self.lead_name = label(texts("label.lead"))
@@ -40,32 +39,27 @@ class SendingPanel(Panel):
         self.lead.setMaximum(LEAD_MAX_S)
         self.lead.setSingleStep(0.5)
         self.lead.setAccessibleName(f"{texts('label.lead')} (s)")
-        self.send = IntentButton(main=True)
+        self.lead.valueChanged.connect(lambda seconds: self.intent.emit(Choose("lead_s", seconds)))
+        self.reports(self.sim.intent, self.hw.intent)
+        self.send = self.button(main=True)
         self.title, self.text = label(role="large"), label(wrap=True)
         self.progress = QProgressBar()
         self.progress.setTextVisible(False)
         self.progress.setRange(0, 1000)
-        self.send_now, self.change, self.abort = IntentButton(main=True), IntentButton(), IntentButton()
+        self.send_now, self.change, self.abort = self.button(main=True), self.button(), self.button()
         self.plan = QWidget()
         """the buttons of a motion that waits"""
         self._lay_out()
-        self._connect()
 
     def _lay_out(self) -> None:
-        to = filled(QHBoxLayout(), self.sim, self.hw, None, self.lead_name, self.lead)
-        state = filled(spaced(QVBoxLayout(), 2), self.title, self.progress)
-        send = filled(spaced(QHBoxLayout(), 10), (self.send, 1), (state, 1))
-        plan = spaced(QHBoxLayout(self.plan), None, NO_MARGINS)
-        filled(plan, (self.send_now, 1), (self.change, 1), (self.abort, 1))
+        to = in_row(self.sim, self.hw, None, self.lead_name, self.lead)
+        send = in_row((self.send, 1), (in_column(self.title, self.progress, gap=2), 1), gap=10)
+        buttons = (self.send_now, 1), (self.change, 1), (self.abort, 1)
+        in_row(*buttons, margins=NO_MARGINS, inside=self.plan)
         self.text.setAlignment(Qt.AlignmentFlag.AlignTop)
         for part in (self.title, self.text):  # longer texts must not widen the column
             part.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        filled(spaced(QVBoxLayout(self), 4, (8, 8, 8, 8)), to, send, self.text, self.plan)
-
-    def _connect(self) -> None:
-        self.lead.valueChanged.connect(lambda seconds: self.intent.emit(Choose("lead_s", seconds)))
-        for button in (self.sim, self.hw, self.send, self.send_now, self.change, self.abort):
-            button.intent.connect(self.intent)
+        in_column(to, send, self.text, self.plan, gap=4, margins=(8, 8, 8, 8), inside=self)
 
     def show_compact(self, *, compact: bool) -> None:
         """Reserve room for a waiting motion, so that nothing moves; in a low window, show the text as a tooltip."""
@@ -82,15 +76,12 @@ class SendingPanel(Panel):
         if self.lead.value() != lead_s:
             with QSignalBlocker(self.lead):
                 self.lead.setValue(lead_s)
-        if view == self._view:
-            return
-        self._view = view
         self.lead.setToolTip(self._texts("tip.lead" if view.lead_matters else "tip.lead_one"))
         set_role(self.lead_name, "role", "" if view.lead_matters else "dim")
-        set_text(self.title, view.countdown or view.title)
+        self.title.setText(view.countdown or view.title)
         set_role(self.title, "role", "hw" if view.countdown else "large")
         self.title.setToolTip(view.text)
-        set_text(self.text, view.text)
+        self.text.setText(view.text)
         self.progress.setVisible(view.progress is not None)
         self.progress.setValue(round(1000 * (view.progress or 0.0)))
         self.send_now.show_view(view.send_now)
@@ -98,9 +89,7 @@ class SendingPanel(Panel):
         self.abort.show_view(view.abort)
         waits = view.abort.enabled
         self.plan.setVisible(waits)
-        set_role(
-            self.send, "main", "false" if waits else "true"
-        )  # while a motion waits, the next press is Send now
+        set_role(self.send, "main", "false" if waits else "true")  # the next press is Send now, or Send
 
 
 DAILY = ("home", "undo")
@@ -115,17 +104,15 @@ class CommandsPanel(Panel):
     def __init__(self, texts: Texts) -> None:
         super().__init__("panel")
         self.setAccessibleName(texts("label.commands"))
-        self.buttons = {name: IntentButton() for name in DAILY}
-        layout = spaced(QVBoxLayout(self), 8, (8, 8, 8, 8))
+        self.buttons = {name: self.button() for name in DAILY}
         for button in self.buttons.values():
             button.setProperty("daily", True)  # noqa: FBT003
-            layout.addWidget(button)
-            button.intent.connect(self.intent)
+        in_column(*self.buttons.values(), gap=8, margins=(8, 8, 8, 8), inside=self)
 
     def show_view(self, view: CommandsView) -> None:
         """Show the buttons."""
-        self.buttons["home"].show_view(view.home)
-        self.buttons["undo"].show_view(view.undo)
+        for name, button in self.buttons.items():
+            button.show_view(getattr(view, name))
 
 
 class StopBar(QPushButton):
@@ -136,7 +123,6 @@ class StopBar(QPushButton):
     def __init__(self, texts: Texts) -> None:
         super().__init__()
         self._view: View | None = None
-        self._last = self._question = ""
         self.emergency = IntentButton()
         """within this button, so that a press beside it is STOP"""
         self.emergency.setObjectName("emergency")
@@ -148,38 +134,32 @@ class StopBar(QPushButton):
         self.keys = label(texts("label.keys_stop").partition(": ")[0], "stop")
         self.last.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
         self.last.setFixedHeight(STOP_PX)
-        layout = spaced(QHBoxLayout(self), None, (20, 2, 12, 2))
+        layout = in_row(
+            self.word, self.keys, None, self.emergency, gap=12, margins=(20, 2, 12, 2), inside=self
+        )
         layout.setSizeConstraint(
-            QHBoxLayout.SizeConstraint.SetMinimumSize
+            QLayout.SizeConstraint.SetMinimumSize
         )  # a button alone would not count these
-        layout.addWidget(self.word)
-        layout.addSpacing(12)
-        filled(layout, self.keys, None, self.emergency)
         for part in (self.word, self.keys):
             part.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.pressed.connect(self.stop)
 
     def show_last(self, text: str) -> None:
         """Show the last request with its outcome, unless EMERGENCY_STOP asks its question there."""
-        self._last = text
-        set_text(self.last, f"▲ {self._question}" if self._question else text)
+        if not self.emergency.property("armed"):
+            self.last.setText(text)
 
     def _ask(self, question: str) -> None:
-        self._question = question
-        self.show_last(self._last)
+        self.last.setText(f"▲ {question}" if question else "")  # until the next view
 
     def show_view(self, view: View) -> None:
         """Show the texts of both buttons."""
         stop, self._view = view.stop, view
         self.last.setToolTip(view.last_detail)
-        self.emergency.show_view(view.emergency)
-        self.emergency.setVisible(
-            view.choices.page is WindowPage.CLASS
-        )  # elsewhere it is in the menus of the pills
-        set_text(self.word, stop.text)
-        self.setToolTip(stop.tooltip)
-        self.setAccessibleName(stop.text)
-        self.setAccessibleDescription(stop.tooltip)
+        # On the page of the robot it is in the menus of the pills.
+        self.emergency.show_view(view.emergency if view.choices.page is WindowPage.CLASS else None)
+        self.word.setText(stop.text)
+        named(self, stop.text, stop.tooltip)
 
     def stop(self) -> None:
         """Report the intent."""

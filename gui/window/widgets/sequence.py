@@ -2,45 +2,172 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
-from PyQt5.QtCore import QSignalBlocker
+from PyQt5.QtCore import QPoint, QRect, QSignalBlocker, QSize, Qt, pyqtSignal
+from PyQt5.QtGui import QColor, QIcon, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QPixmap
 from PyQt5.QtWidgets import (
     QAction,
+    QApplication,
     QFileDialog,
     QGridLayout,
-    QHBoxLayout,
     QLineEdit,
+    QListWidget,
+    QListWidgetItem,
     QMenu,
-    QPushButton,
     QSizePolicy,
 )
 
 from beatrix_zenoh import files
 from beatrix_zenoh.contract.errors import WrongUsage
+from gui.console.state import intents
 from gui.console.state.actions import LARGEST_BYTES, NEW, Play
-from gui.console.state.intents import (
-    AimHead,
-    DeletePose,
-    DuplicatePose,
-    MovePose,
-    OpenSequence,
-    RenamePose,
-    SaveSequence,
-    SetDuration,
-    Theme,
-    UndoSequence,
-)
+from gui.console.state.intents import HeadOrientation, Intent, Theme
 from gui.console.state.saved import DURATION_MAX_S
 from gui.console.state.views import CardView, SequenceView
 from gui.console.texts import Texts
-from gui.window.widgets.controls import ChoiceCheck, IntentButton, filled, plain_button, spaced
+from gui.window.theme import style_of
+from gui.window.widgets.controls import ChoiceCheck, in_row, named, plain_button, spaced
 from gui.window.widgets.files import FilePanel
+from gui.window.widgets.head3d_paint import portrait
 from gui.window.widgets.number_box import NumberBox
-from gui.window.widgets.strip import Strip
 
 NAME_LONGEST = 24
 NAME_PX = 90
+
+
+WIDTH_PX, HEIGHT_PX, PICTURE_PX = 70, 92, 48
+"""Size of a card, and side of its picture, at scale 1."""
+
+
+class Strip(QListWidget):
+    """Cards to select, to drag to another place, and to use with the keyboard."""
+
+    used = pyqtSignal(int)
+    """a click or Enter on this card"""
+    moved = pyqtSignal(int, int)
+    """a card, and its new place counted without it"""
+    deleted = pyqtSignal(int)
+
+    def __init__(self, name: str, empty: str) -> None:
+        """Create an empty strip; `empty` is its text while it has no card."""
+        super().__init__()
+        self._empty = empty
+        self.setAccessibleName(name)
+        self.setViewMode(QListWidget.ViewMode.IconMode)
+        self.setMovement(QListWidget.Movement.Static)
+        self.setWrapping(False)
+        self.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self.setMinimumWidth(80)
+        self.cards: tuple[CardView, ...] = ()
+        self._played = -1
+        self._style = style_of(Theme.DARK)
+        self._pressed: QPoint | None = None
+        self._drop: int | None = None
+        """while a card is dragged: its place counted without it"""
+
+    def show_cards(self, cards: tuple[CardView, ...], current: int, played: int = -1) -> None:
+        """Show the cards; numbers of the selected one and of the one that is being played (-1: none)."""
+        if (cards, played) != (self.cards, self._played):
+            self.cards, self._played = cards, played
+            self._fill()
+        with QSignalBlocker(self):
+            self.setCurrentRow(current)
+        self.scrollTo(self.model().index(played if played >= 0 else current, 0))
+
+    def show_theme(self, theme: Theme) -> None:
+        """Use the colours and sizes of a theme."""
+        self._style = style_of(theme)
+        self.setGridSize(QSize(self._style.px(WIDTH_PX), self._style.px(HEIGHT_PX)))
+        self.setIconSize(QSize(self._style.px(PICTURE_PX), self._style.px(PICTURE_PX)))
+        self._fill()
+
+    def _fill(self) -> None:
+        """Make all cards; the selected place stays selected."""
+        current, self._pressed, self._drop = self.currentRow(), None, None
+        with QSignalBlocker(self):
+            self.clear()
+            for number, card in enumerate(self.cards):
+                mark = "▸" if number == self._played else ""
+                item = QListWidgetItem(self._icon(card), f"{mark}{card.name}\n{card.duration}")
+                item.setToolTip("\n".join(filter(None, (f"{card.name}, {card.duration}", card.problem))))
+                if card.problem:
+                    item.setForeground(QColor(self._style.bad))
+                self.addItem(item)
+            self.setCurrentRow(current)
+
+    def _icon(self, card: CardView) -> QIcon:
+        if card.head is None:
+            return QIcon()
+        head = HeadOrientation(*card.head.tenths)
+        picture = QPixmap.fromImage(portrait(head, self._style.px(PICTURE_PX), self.devicePixelRatioF()))
+        icon = QIcon(picture)
+        icon.addPixmap(picture, QIcon.Mode.Selected)  # Qt would tint it
+        return icon
+
+    def card(self, number: int) -> QRect:
+        """Return the place of a card (px)."""
+        return self.visualRect(self.model().index(number, 0))
+
+    # -- mouse --------------------------------------------------------------------------------------
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802
+        super().mousePressEvent(event)
+        if event.button() == Qt.MouseButton.LeftButton and self.indexAt(event.pos()).isValid():
+            self._pressed = event.pos()
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:  # noqa: N802
+        if self._pressed is None:
+            return
+        x = event.pos().x()
+        if abs(x - self._pressed.x()) >= QApplication.startDragDistance() or self._drop is not None:
+            others = (self.card(number) for number in range(len(self.cards)) if number != self.currentRow())
+            self._drop = sum(other.center().x() < x for other in others)
+            self.viewport().update()
+
+    def mouseReleaseEvent(self, event: QMouseEvent) -> None:  # noqa: N802
+        pressed, drop, self._pressed, self._drop = self._pressed, self._drop, None, None
+        if event.button() != Qt.MouseButton.LeftButton or pressed is None:
+            return
+        self.viewport().update()
+        if drop is None:
+            self.used.emit(self.currentRow())
+        elif drop != self.currentRow():
+            self.moved.emit(self.currentRow(), drop)
+
+    # -- keyboard -----------------------------------------------------------------------------------
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802
+        """Move with Ctrl and the arrows, use with Enter, delete with Delete; the list selects with the arrows."""
+        ways = {Qt.Key.Key_Left: -1, Qt.Key.Key_Right: 1}
+        key, number = event.key(), self.currentRow()
+        if key in ways and event.modifiers() & Qt.KeyboardModifier.ControlModifier:
+            goal = number + ways[Qt.Key(key)]
+            if number >= 0 and 0 <= goal < len(self.cards):
+                self.moved.emit(number, goal)
+        elif number >= 0 and key in {Qt.Key.Key_Return, Qt.Key.Key_Enter}:
+            self.used.emit(number)
+        elif number >= 0 and key in {Qt.Key.Key_Delete, Qt.Key.Key_Backspace}:
+            self.deleted.emit(number)
+        else:
+            super().keyPressEvent(event)
+
+    # -- drawing ------------------------------------------------------------------------------------
+
+    def paintEvent(self, event: QPaintEvent) -> None:  # noqa: N802
+        """Draw the cards, the text without cards, and where a dragged card would be put."""
+        super().paintEvent(event)
+        painter = QPainter(self.viewport())
+        if not self.cards:
+            painter.setPen(QColor(self._style.dim))
+            flags = int(Qt.AlignmentFlag.AlignVCenter) | int(Qt.TextFlag.TextWordWrap)
+            painter.drawText(self.viewport().rect().adjusted(4, 4, -4, -4), flags, self._empty)
+        if self._drop is not None:
+            before = self._drop + (self._drop > self.currentRow())
+            x = self.card(before).left() if before < len(self.cards) else self.card(before - 1).right()
+            painter.setPen(QPen(QColor(self._style.accent), 3))
+            painter.drawLine(x, 2, x, self.height() - 2)
 
 
 class SequencePanel(FilePanel):
@@ -49,79 +176,69 @@ class SequencePanel(FilePanel):
     def __init__(self, texts: Texts) -> None:
         super().__init__(texts)
         self._view: SequenceView | None = None
-        self._shown: tuple[str, float] | None = None
-        """the selected pose that the number box shows, and its duration (s)"""
         self.strip = Strip(texts("label.sequence"), texts("label.sequence_empty"))
-        self.name = QLineEdit()
+        self.name = named(QLineEdit(), texts("label.pose_name"), texts("tip.pose_name"))
         self.name.setMaxLength(NAME_LONGEST)
         self.name.setPlaceholderText(texts("label.pose_name"))
-        self.name.setAccessibleName(texts("label.pose_name"))
-        self.name.setToolTip(texts("tip.pose_name"))
-        self.duration = NumberBox(texts, texts("label.lead_unit"), 0.1)
+        self.name.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)  # cards need the width
+        box = NumberBox(texts, texts("label.lead_unit"), 0.1)
+        self.duration = named(box, texts("label.duration"), texts("tip.duration"))
         self.duration.setMaximum(DURATION_MAX_S)
         self.duration.setSingleStep(0.5)
-        self.duration.setAccessibleName(texts("label.duration"))
-        self.duration.setToolTip(texts("tip.duration"))
-        self.add, self.play, self.hardware = IntentButton(), IntentButton(main=True), IntentButton()
-        self.delete, self.more = self._button("delete"), self._button("more")
+        self.add, self.play, self.hardware = self.button(), self.button(main=True), self.button()
+        self.delete, self.more = (
+            plain_button(texts(f"sequence.{name}"), texts(f"sequence.{name}_tip"))
+            for name in ("delete", "more")
+        )
         self.loop = ChoiceCheck(texts, "loop")
         self.entries: dict[str, QAction] = {}
         """entries of the menu More"""
-        self._lay_out()
-        self._connect()
-
-    def _button(self, name: str) -> QPushButton:
-        return plain_button(self._texts(f"sequence.{name}"), self._texts(f"sequence.{name}_tip"))
-
-    def _lay_out(self) -> None:
-        self.name.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)  # cards need the width
+        pairs = (
+            (self.name, self.duration),
+            (self.add, self.delete),
+            (self.loop, self.more),
+            (self.play, self.hardware),
+        )
         grid = spaced(QGridLayout(), 3)
         grid.setColumnMinimumWidth(0, NAME_PX)
-        for row, pair in enumerate(
-            (
-                (self.name, self.duration),
-                (self.add, self.delete),
-                (self.loop, self.more),
-                (self.play, self.hardware),
-            )
-        ):
-            for column, part in enumerate(pair):
-                grid.addWidget(part, row, column)
-        filled(spaced(QHBoxLayout(self), 6, (4, 4, 4, 4)), (self.strip, 1), grid)
+        for line, (left, right) in enumerate(pairs):
+            grid.addWidget(left, line, 0)
+            grid.addWidget(right, line, 1)
+        in_row((self.strip, 1), grid, gap=6, margins=(4, 4, 4, 4), inside=self)
+        self._connect()
 
     def _connect(self) -> None:
-        for button in (self.add, self.play, self.hardware):
-            button.intent.connect(self.intent)
-        self.loop.intent.connect(self.intent)
-        self.delete.clicked.connect(lambda: self._about(DeletePose))
+        self.reports(self.loop.intent)
+        self.delete.clicked.connect(lambda: self._about(intents.DeletePose))
         self.strip.currentRowChanged.connect(self._show_chosen)
         self.strip.used.connect(self._aim)
-        self.strip.moved.connect(self._move)
-        self.strip.deleted.connect(lambda: self._about(DeletePose))
+        self.strip.moved.connect(
+            lambda number, to: self.intent.emit(intents.MovePose(self.strip.cards[number].name, to))
+        )
+        self.strip.deleted.connect(lambda: self._about(intents.DeletePose))
         self.duration.valueChanged.connect(self._report_duration)
         self.name.editingFinished.connect(self._rename)
-        for name, do in (
-            ("duplicate", lambda: self._about(DuplicatePose)),
-            ("undo", lambda: self.intent.emit(UndoSequence())),
-        ):
-            entry = self.entries[name] = QAction(self._texts(f"sequence.{name}"), self)
-            entry.triggered.connect(do)
-        save = QFileDialog.AcceptMode.AcceptSave
-        for name, mode, suffix, made in (
-            ("open", QFileDialog.AcceptMode.AcceptOpen, "csv", _opened),
-            ("save_file", save, "csv", SaveSequence),
-            ("save_program", save, "py", lambda file: SaveSequence(file, program=True)),
-            ("play_file", QFileDialog.AcceptMode.AcceptOpen, "csv", lambda file: Play(NEW, (), file)),
-        ):
-            entry = self.entries[name] = QAction(self._texts(f"sequence.{name}"), self)
-            entry.triggered.connect(
-                lambda _checked, name=name, mode=mode, suffix=suffix, made=made: self.choose_file(
-                    self._texts(f"sequence.{name}"), mode, suffix, made
-                )
-            )
+        self._add_entry("duplicate", lambda: self._about(intents.DuplicatePose))
+        self._add_entry("undo", lambda: self.intent.emit(intents.UndoSequence()))
+        opens, saves = QFileDialog.AcceptMode.AcceptOpen, QFileDialog.AcceptMode.AcceptSave
+        self._add_file("open", opens, "csv", _opened)
+        self._add_file("save_file", saves, "csv", intents.SaveSequence)
+        self._add_file("save_program", saves, "py", lambda file: intents.SaveSequence(file, program=True))
+        self._add_file("play_file", opens, "csv", lambda file: Play(NEW, (), file))
         menu = QMenu(self.more)
         menu.addActions(self.entries.values())
         self.more.setMenu(menu)
+
+    def _add_entry(self, name: str, do: Callable[[], None]) -> None:
+        entry = self.entries[name] = QAction(self._texts(f"sequence.{name}"), self)
+        entry.triggered.connect(do)
+
+    def _add_file(
+        self, name: str, mode: QFileDialog.AcceptMode, suffix: str, made: Callable[[Path], Intent]
+    ) -> None:
+        """Add an entry that asks for a file, and reports the intent made of it."""
+        title = self._texts(f"sequence.{name}")
+        self._add_entry(name, lambda: self.choose_file(title, mode, suffix, made))
 
     # -- what it shows ------------------------------------------------------------------------------
 
@@ -141,16 +258,13 @@ class SequencePanel(FilePanel):
     def _selection(self, before: SequenceView | None, view: SequenceView) -> int:
         """Return the card to select: a new one, else the same, else the one at its place."""
         names = [card.name for card in view.cards]
-        if before is None:
-            return 0 if names else -1
-        known = [card.name for card in before.cards]
-        new = [number for number, name in enumerate(names) if name not in known]
+        known = names[1:] if before is None else [card.name for card in before.cards]
+        new, chosen = [name for name in names if name not in known], self._chosen()
         if len(new) == 1:
-            return new[0]
-        chosen = self._chosen()
+            return names.index(new[0])
         if chosen is not None and chosen.name in names:
             return names.index(chosen.name)
-        return max(0, min(self.strip.currentRow(), len(names) - 1)) if names else -1
+        return min(max(0, self.strip.currentRow()), len(names) - 1)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
@@ -170,14 +284,13 @@ class SequencePanel(FilePanel):
         with QSignalBlocker(self.name), QSignalBlocker(self.duration):
             if not self.name.hasFocus() or card is None or not self.name.isModified():
                 self.name.setText("" if card is None else card.name)
-            shown = None if card is None else (card.name, card.duration_s)
-            if card is not None and shown != self._shown:  # else it would replace what the user is typing
-                self.duration.setValue(card.duration_s)
-            self._shown = shown
+            duration_s = self.duration.value() if card is None else round(card.duration_s, 1)
+            if duration_s != self.duration.value():  # else it would replace what the user is typing
+                self.duration.setValue(duration_s)
 
     # -- what the user does -------------------------------------------------------------------------
 
-    def _about(self, kind: type[DuplicatePose | DeletePose]) -> None:
+    def _about(self, kind: type[intents.DuplicatePose | intents.DeletePose]) -> None:
         card = self._chosen()
         if card is not None:
             self.intent.emit(kind(card.name))
@@ -186,28 +299,25 @@ class SequencePanel(FilePanel):
         """Make a pose the target of the pad; nothing is sent."""
         head = self.strip.cards[number].head
         if head is not None:
-            self.intent.emit(AimHead(head.yaw, head.pitch, head.roll))
-
-    def _move(self, number: int, to: int) -> None:
-        self.intent.emit(MovePose(self.strip.cards[number].name, to))
+            self.intent.emit(intents.AimHead(head.yaw, head.pitch, head.roll))
 
     def _report_duration(self, seconds: float) -> None:
         card = self._chosen()
         if card is not None:
-            self.intent.emit(SetDuration(card.name, seconds))
+            self.intent.emit(intents.SetDuration(card.name, seconds))
 
     def _rename(self) -> None:
         card, name = self._chosen(), self.name.text()
         self.name.setModified(False)
         if card is not None and name and name != card.name:
-            self.intent.emit(RenamePose(card.name, name))
+            self.intent.emit(intents.RenamePose(card.name, name))
 
 
-def _opened(file: Path) -> OpenSequence:
+def _opened(file: Path) -> intents.OpenSequence:
     """Read a choreography; a file that cannot be read is reported in the intent."""
     try:
-        return OpenSequence(file, files.text(file, LARGEST_BYTES, "CSV"))
+        return intents.OpenSequence(file, files.text(file, LARGEST_BYTES, "CSV"))
     except OSError as error:
-        return OpenSequence(file, "", error.strerror or str(error))
+        return intents.OpenSequence(file, "", error.strerror or str(error))
     except WrongUsage as error:
-        return OpenSequence(file, "", error.message.removesuffix("."))
+        return intents.OpenSequence(file, "", error.message.removesuffix("."))
