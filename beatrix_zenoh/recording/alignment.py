@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,7 +23,7 @@ from beatrix_zenoh.recording.motion_shifts import (
     MovedPart,
     measured,
 )
-from beatrix_zenoh.recording.requests import NOT_ASKED, Alone, MotionRequest, Shared, alone, pairs, shared
+from beatrix_zenoh.recording.requests import Alone, MotionRequest, Shared, alone, pairs, shared
 from beatrix_zenoh.recording.series import GRID_S, Flags, Floats, Recording, resample, resting, runs
 
 BEFORE_S = 0.3
@@ -48,10 +48,7 @@ class Alignment:
     apart: tuple[Interval, ...]
     """times of the first in which the robots were not asked for the same movement"""
     alone: tuple[Alone, ...]
-    early: tuple[Shared, ...]
-    """motions that only one of the robots carried out to the end"""
-    followed: tuple[Alone, ...]
-    """requests to the hardware that the simulation, which was not asked, followed"""
+    """motions that one of the robots did not make, or did not carry out to the end"""
     shift_s: float
     """shift where there are no motions"""
 
@@ -77,17 +74,14 @@ class Alignment:
 def aligned(first: Recording, second: Recording) -> Alignment:
     """Match the motions of both robots and measure the shift of each."""
     ways = movements(first), movements(second)
-    single: list[Alone] = []
-    followed: list[Alone] = []
     asked = within(first)
     span = float(first.t[0]), float(min(first.t[-1], second.t[-1]))
     both = pairs(asked, within(second), *span)
     matched = shared(both)
-    for motion in alone(both, *span):
-        (followed if follows(motion, ways[0], asked) else single).append(motion)
+    single = [motion for motion in alone(both, span[1]) if not follows(motion, ways[0], asked)]
     ways = (
-        parted(ways[0], [each.request.t for each in single if not each.hardware]),
-        parted(ways[1], [each.request.t for each in single if each.hardware]),
+        parted(ways[0], [each.t for each in single if not each.hardware]),
+        parted(ways[1], [each.t for each in single if each.hardware]),
     )
     expected = [*of_requests(ways[0], matched), *of_movement(first, ways, matched, single)]
     expected.sort(key=lambda motion: motion.begin_s)
@@ -95,8 +89,7 @@ def aligned(first: Recording, second: Recording) -> Alignment:
     parts = tuple(measured(first, second, motion) for motion in expected)
     known = [part.shift_s for part in parts if not part.why and not part.lead_s]
     shift_s = float(np.median(known)) if known else 0.0
-    early = tuple(motion for motion in matched if ended_early(motion))
-    plain = Alignment(parts, (), tuple(single), early, tuple(followed), shift_s)
+    plain = Alignment(parts, (), (*single, *ended_early(matched)), shift_s)
     left_out = tuple(apart(first, second, plain, ways, matched))
     kept = tuple(
         part for part in parts if not any(begin_s <= part.begin_s < end_s for begin_s, end_s in left_out)
@@ -121,8 +114,8 @@ def follows(motion: Alone, ways: Sequence[Interval], asked: Sequence[MotionReque
         ways: the movements of the simulation.
         asked: the requests to the simulation.
     """
-    way = next((way for way in ways if contains(way, motion.request.t)), None)
-    if motion.why != NOT_ASKED or way is None:
+    way = next((way for way in ways if contains(way, motion.t)), None)
+    if not motion.hardware or way is None:
         return False
     return not any(not each.refused and contains(way, each.t) for each in asked)
 
@@ -194,8 +187,8 @@ def of_movement(
     single: Sequence[Alone],
 ) -> list[Expected]:
     """Return the motions of the first robot without requests; each is expected where a movement of the second begins."""
-    asked = [motion.first.t for motion in matched] + [each.request.t for each in single if not each.hardware]
-    answered = [motion.hw.t for motion in matched] + [each.request.t for each in single if each.hardware]
+    asked = [motion.first.t for motion in matched] + [each.t for each in single if not each.hardware]
+    answered = [motion.hw.t for motion in matched] + [each.t for each in single if each.hardware]
     mine = [way for way in ways[0] if not any(contains(way, t) for t in asked)]
     theirs = [way for way in ways[1] if not any(contains(way, t) for t in answered)]
     return [
@@ -204,7 +197,6 @@ def of_movement(
             shift_s,
             unknown=BEGUN if way[0] < first.t[0] else "",
             limits_s=(LOCAL_S, NEAR_S, FAR_S),
-            requested=False,
         )
         for way, shift_s in zip(mine, expected_shifts(mine, theirs), strict=True)
     ]
@@ -245,9 +237,7 @@ def apart(
         and (motion.sim.end_s is not None and motion.hw.end_s is not None)
     ]
     found = []
-    begins = [(each.request.t, each.hardware) for each in plain.alone]
-    begins += [(motion.first.t, False) for motion in plain.early]
-    for begin_s, hardware in begins:
+    for begin_s, hardware in plain.alone:
         own = ways[1] if hardware else ways[0]
         way = next((way for way in reversed(own) if contains(way, begin_s)), (begin_s, begin_s))
         start_s, rest_s = min(way[0], begin_s), way[1]
@@ -260,8 +250,10 @@ def apart(
     return found
 
 
-def ended_early(motion: Shared) -> bool:
-    """Return whether one robot carried the motion out, or began the next one, and the other did not."""
-    ends = motion.sim.end, motion.hw.end
-    carried_out = [end in (Reason.OK, Reason.REPLACED) for end in ends]
-    return None not in ends and carried_out[0] != carried_out[1]
+def ended_early(matched: Sequence[Shared]) -> Iterator[Alone]:
+    """Yield the motions that one robot carried out, or replaced by the next one, and the other did not."""
+    for motion in matched:
+        ends = motion.sim.end, motion.hw.end
+        sim, hw = (end in (Reason.OK, Reason.REPLACED) for end in ends)
+        if None not in ends and sim != hw:
+            yield Alone(motion.hw.t if hw else motion.first.t, hardware=hw)

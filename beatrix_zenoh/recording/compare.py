@@ -13,7 +13,7 @@ from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.recording.alignment import Alignment, aligned
 from beatrix_zenoh.recording.motion_shifts import LOCAL_S, MovedPart, best_shift, chosen, differ, window
-from beatrix_zenoh.recording.requests import Alone, Shared
+from beatrix_zenoh.recording.requests import Alone
 from beatrix_zenoh.recording.series import (
     AXES,
     GRID_S,
@@ -24,7 +24,6 @@ from beatrix_zenoh.recording.series import (
     Regularity,
     common_grid,
     heads_apart,
-    new_homes,
     regularity,
     resample,
     resting,
@@ -70,11 +69,7 @@ class Comparison:
     moved: tuple[MovedPart, ...]
     """the motions, each with the lead and the lag of its positions"""
     alone: tuple[Alone, ...]
-    """the motions that only one robot made; they are no differences"""
-    followed: tuple[Alone, ...]
-    """the motions of the hardware that the simulation made, too, without being asked: it follows"""
-    early: tuple[Shared, ...]
-    """the motions that one robot carried out to the end, and the other did not; they are no differences"""
+    """the motions that only one robot carried out; they are no differences"""
     t: Floats
     """times (s)"""
     first: Floats
@@ -100,8 +95,6 @@ class Comparison:
     """for each robot, the largest distance of an arm from its set point while both robots rest (deg); NaN: unknown. A
     lost full step is 0.69 deg."""
     regularity: tuple[Regularity, Regularity]
-    homes: tuple[int, int]
-    """for each robot, how often CALIBRATE gave it another home; the recordings are cut there"""
 
     @property
     def seconds(self) -> float:
@@ -140,8 +133,6 @@ def compare(first: Recording, second: Recording) -> Comparison:
         lag_s=median_lag(first.arms, second.arms, found, tuple(range(len(ARMS)))),
         moved=found.parts,
         alone=found.alone,
-        followed=found.followed,
-        early=found.early,
         t=t,
         first=a,
         second=b,
@@ -163,7 +154,6 @@ def compare(first: Recording, second: Recording) -> Comparison:
         ),
         off_set_points=(largest_off(first, t[rest]), largest_off(second, seconds[rest])),
         regularity=(regularity(whole[0]), regularity(whole[1])),
-        homes=(len(new_homes(whole[0])), len(new_homes(whole[1]))),
     )
 
 
@@ -321,6 +311,6 @@ def why_no_lag(found: Comparison) -> str:
         return "no motion was made by both robots. Move both during the comparison."
     if differ(found.moved):
         lags_ms = [part.lag_s * 1e3 for part in found.moved if not math.isnan(part.lag_s)]
-        return f"the lags of the motions differ, from {min(lags_ms):.0f} to {max(lags_ms):.0f} ms."
+        return f"the lags of the motions differ, from {min(lags_ms):z.0f} to {max(lags_ms):z.0f} ms."
     reasons = list(dict.fromkeys(part.why for part in found.moved if part.why))
     return f"{'; '.join(reasons[:MOST]) or 'the set points of the two robots do not agree'}."

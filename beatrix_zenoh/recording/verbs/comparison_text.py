@@ -8,9 +8,8 @@ from collections.abc import Mapping, Sequence
 import msgspec
 
 from beatrix_zenoh.output import columns
-from beatrix_zenoh.recording.arm_causes import count
+from beatrix_zenoh.recording.causes import count, findings
 from beatrix_zenoh.recording.compare import MOST, AxisDifference, Comparison, why_no_lag
-from beatrix_zenoh.recording.diagnosis import findings
 from beatrix_zenoh.recording.series import HOLE_S, LiveRecording
 
 AXIS_HEADS = (
@@ -137,7 +136,7 @@ def compared_sentence(found: Comparison) -> str:
     """Return a sentence with the compared part of the shared time."""
     sentence = f"{found.compared_s:.1f} s of {found.shared_s:.1f} s were compared"
     if found.shared_s - found.seconds >= HOLE_S:
-        sentence += f", in the longest part ({found.seconds:.1f} s) in which both robots published without a gap of more than {HOLE_S:g} s"
+        sentence += f", in the longest part ({found.seconds:.1f} s) without a gap of more than {HOLE_S:g} s, or another home (CALIBRATE)"
     return f"{sentence}."
 
 
