@@ -46,9 +46,6 @@ Files = Annotated[
         help="The recording, all its files if it was rotated, then the table: .csv or .parquet.",
     ),
 ]
-Samples = Annotated[
-    bool, typer.Option("--samples", help="Every sample as published, instead of a row every 20 ms.")
-]
 From = Annotated[
     float,
     typer.Option(
@@ -76,7 +73,6 @@ On = Annotated[
 
 def export(
     files: Files,
-    samples: Samples = False,
     begin: From = 0.0,
     end: To = None,
     name: Names = None,
@@ -94,8 +90,6 @@ def export(
     """
     check_options(video, sound, eye, on)
     recordings, out = sources_and_table(files, alone=video is not None or sound is not None)
-    if samples and out is None:
-        raise typer.BadParameter("--samples needs a table: name a .csv or .parquet file, too.")
     if end is not None and finite(end) < begin:
         raise typer.BadParameter(f"--to {end:g} is before --from {begin:g}: give a later end.")
     for path in filter(None, (out, video, sound)):
@@ -105,7 +99,7 @@ def export(
     lines = []
     with signals_interrupt():  # so that SIGTERM deletes an incomplete file, as Ctrl-C does
         if out is not None:
-            rows = written(out, found, samples=samples)
+            rows = written(out, found)
             document |= {"file": str(out), "rows": rows}
             lines.append(f"{out}: {rows} rows of {', '.join(robots_of(found))}.")
         if video is not None:
@@ -147,12 +141,10 @@ def opened(recordings: Sequence[Path], begin: float, end: float | None, names: S
     """Read the files of a recording; raises Refused if one cannot be read, or if Rerun is not installed."""
     from beatrix_zenoh.recording.export import table
 
-    return table(
-        [read_recording(path) for path in recordings], begin, math.inf if end is None else end, names
-    )
+    return table(read_recording(*recordings), begin, math.inf if end is None else end, names)
 
 
-def written(path: Path, found: Table, *, samples: bool) -> int:
+def written(path: Path, found: Table) -> int:
     """Write the table, completely or not at all, and return the number of rows.
 
     Raises:
@@ -161,7 +153,7 @@ def written(path: Path, found: Table, *, samples: bool) -> int:
     from beatrix_zenoh.recording.export import write_table
 
     with new_file(path) as unfinished:
-        rows = write_table(unfinished, found.samples() if samples else found.grid())
+        rows = write_table(unfinished, found.grid())
         if not rows:
             raise Refused(
                 Reason.BAD_VALUE,

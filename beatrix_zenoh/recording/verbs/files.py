@@ -19,17 +19,18 @@ DAMAGED = ".damaged"
 EMPTY = "it contains no positions of a robot. The file is unchanged: record again."
 
 
-def read_recording(path: Path) -> Recorded:
-    """Read a recording; raises Refused if it cannot be read, or if Rerun is not installed."""
+def read_recording(*paths: Path) -> Recorded:
+    """Read the files of a recording; raises Refused if one cannot be read, or if Rerun is not installed."""
     try:
         from beatrix_zenoh.recording.rrd.read import read
     except ModuleNotFoundError as error:
         raise Refused(
             Reason.BAD_VALUE,
-            f'{path}: reading a recording needs {error.name}. Run `pip install ".[rerun]"` in the folder of BEATRIX.',
+            f'Reading a recording needs {error.name}. Run `pip install ".[rerun]"` in the folder of BEATRIX.',
         ) from error
-    found = read(path)
-    note_if_incomplete(path)
+    found = read(*paths)
+    for path in paths:
+        note_if_incomplete(path)
     return found
 
 
