@@ -93,7 +93,7 @@ def wrong(case: Case, variant: Variant, found: Comparison) -> list[str]:
     surplus = [each.sentence for each in got if not any(fits(each, *one) for one in expected)]
     result += [f"not said: {case.said}"] * (case.said not in " ".join(sentences(found)))
     for limits, passes in case.checks:
-        if bool(exceeded := limits.exceeded(found, None)) is passes:
+        if bool(exceeded := limits.exceeded(found)) is passes:
             result.append(" ".join(exceeded) or f"within {limits}")
     return [*result, *surplus]
 

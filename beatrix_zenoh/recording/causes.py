@@ -13,7 +13,7 @@ import numpy as np
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.recording.compare import Comparison
-from beatrix_zenoh.recording.series import GRID_S, Floats, runs
+from beatrix_zenoh.recording.series import GRID_S, Flags, Floats, runs
 
 FULL_STEP_DEG: Final = 360 / ROBOT.drive.full_steps * ROBOT.drive.gear_pinion / ROBOT.drive.gear_ring
 APART_DEG: Final = 0.25
@@ -62,7 +62,7 @@ def findings(found: Comparison) -> list[Finding]:
     result = [*lost_samples(found), *alone(found)]
     if not seen.any():
         return result
-    still = list(stood_still(found.asked, found.first[seen], found.second_after[seen]))
+    still = list(stood_still(found, seen))
     steps = [finding for arm in ARMS for finding in off_at_rest(found, arm)] if not still else []
     changed = [finding.t for finding in steps if finding.cause is Cause.MISSED_STEPS]
     if len(set(changed)) < len(changed):  # arms that change at once were moved, or have their plugs exchanged
@@ -72,12 +72,12 @@ def findings(found: Comparison) -> list[Finding]:
 
 def lost_samples(found: Comparison) -> Iterator[Finding]:
     """Yield a finding for each robot of which samples are missing."""
-    for name, regular in zip(("simulation", "hardware"), found.regularity, strict=True):
-        if regular.lost:
-            share = regular.lost / (regular.lost + regular.samples)
+    for name, recorded in zip(("simulation", "hardware"), found.robots, strict=True):
+        if recorded.lost:
+            share = recorded.lost / (recorded.lost + len(recorded.t))
             yield Finding(
                 Cause.LOSS,
-                f"{regular.lost} samples of the {name} are missing ({share:.1%}): the network, or a busy computer, lost them.",
+                f"{recorded.lost} samples of the {name} are missing ({share:.1%}): the network, or a busy computer, lost them.",
                 value=share,
             )
 
@@ -97,11 +97,13 @@ def alone(found: Comparison) -> Iterator[Finding]:
             )
 
 
-def stood_still(asked: tuple[bool, bool], first: Floats, second: Floats) -> Iterator[Finding]:
+def stood_still(found: Comparison, seen: Flags) -> Iterator[Finding]:
     """Yield a finding if one robot was asked to move, and stood still while the other moved."""
-    ways = [np.ptp(angles[:, : len(ARMS)], axis=0).max() for angles in (first, second)]
+    arms = [angles[seen, : len(ARMS)] for angles in (found.first, found.second_after)]
+    ways = [np.ptp(each, axis=0).max() for each in arms]
     for name, i in (("hardware", 1), ("simulation", 0)):
-        if asked[i] and ways[i] < STILL_DEG and ways[1 - i] > OTHER_DEG:
+        asked = any(not request.refused for request in found.robots[i].requests)
+        if asked and ways[i] < STILL_DEG and ways[1 - i] > OTHER_DEG:
             yield Finding(Cause.STOOD_STILL, f"The {name} stood still: check its motors, power and STOP.")
 
 

@@ -21,10 +21,8 @@ from beatrix_zenoh.recording.series import (
     Flags,
     Floats,
     Recording,
-    Regularity,
     common_grid,
     heads_apart,
-    regularity,
     resample,
     resting,
     sampled,
@@ -78,8 +76,8 @@ class Comparison:
     """angles of the second robot, as `first`"""
     second_after: Floats
     """angles of the second robot after removal of each motion's lead and lag, as `first`"""
-    asked: tuple[bool, bool]
-    """for each robot, whether it accepted a request"""
+    robots: tuple[Recording, Recording]
+    """the whole recordings"""
     compared: Flags
     """at which times the differences were taken: where both robots were recorded without a gap, and asked for the
     same movement"""
@@ -94,7 +92,6 @@ class Comparison:
     off_set_points: tuple[float, float]
     """for each robot, the largest distance of an arm from its set point while both robots rest (deg); NaN: unknown. A
     lost full step is 0.69 deg."""
-    regularity: tuple[Regularity, Regularity]
 
     @property
     def seconds(self) -> float:
@@ -137,7 +134,7 @@ def compare(first: Recording, second: Recording) -> Comparison:
         first=a,
         second=b,
         second_after=c,
-        asked=(asked(first), asked(second)),
+        robots=whole,
         compared=compared,
         rest=rest,
         apart_s=float(np.count_nonzero(~comparable)) * GRID_S,
@@ -153,13 +150,7 @@ def compare(first: Recording, second: Recording) -> Comparison:
             for i in range(len(AXES) + 1)
         ),
         off_set_points=(largest_off(first, t[rest]), largest_off(second, seconds[rest])),
-        regularity=(regularity(whole[0]), regularity(whole[1])),
     )
-
-
-def asked(recorded: Recording) -> bool:
-    """Return whether a robot accepted a request of a motion."""
-    return any(not request.refused for request in recorded.requests)
 
 
 def columns(row: int) -> tuple[int, ...]:
@@ -236,20 +227,16 @@ class Thresholds:
             if value is not None and not (math.isfinite(value) and value >= 0):
                 raise WrongUsage(Reason.BAD_VALUE, f"{name} is {value:g}: give a number, 0 or more.")
 
-    def exceeded(self, found: Comparison, slipped: int | None) -> list[str]:
+    def exceeded(self, found: Comparison) -> list[str]:
         """Return a sentence for each threshold that is exceeded or cannot be checked."""
-        return [*self._lag(found), *self._axes(found), *self._missed(slipped)]
+        return [*self._lag(found), *self._axes(found), *self._missed(found.robots[0].slipped)]
 
     def _lag(self, found: Comparison) -> Iterator[str]:
         if self.lag_s is None:
             return
-        if math.isnan(found.lag_s):
-            yield f"At most {self.lag_s:g} s of lag is allowed, but the lag could not be measured: {why_no_lag(found)}"
-        elif 2 * len(unknown := [part.why for part in found.moved if part.why]) >= len(found.moved):
-            yield (
-                f"At most {self.lag_s:g} s of lag is allowed, but the lag of {len(unknown)} of {len(found.moved)} motions is "
-                f"unknown: {unknown[0]}."
-            )
+        unknown = sum(1 for part in found.moved if part.why)
+        if math.isnan(found.lag_s) or 2 * unknown >= len(found.moved):
+            yield f"At most {self.lag_s:g} s of lag is allowed, but the lag is not known: {why_no_lag(found)}"
         elif abs(found.lag_s) > self.lag_s:
             lag = distinct(found.lag_s, self.lag_s, "+")
             yield f"The lag is {lag} s; at most {self.lag_s:g} s in either direction is allowed."

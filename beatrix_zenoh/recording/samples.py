@@ -15,7 +15,7 @@ import numpy.typing as npt
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract._generated import messages
 from beatrix_zenoh.contract._generated.messages import Event, Info
-from beatrix_zenoh.contract.publishers import NUMBERS, TIMES, WITHIN, Order
+from beatrix_zenoh.contract.publishers import NUMBERS, Order, Publishers
 
 DISTRIBUTION = "beatrix-zenoh"
 
@@ -109,33 +109,22 @@ Nanoseconds = npt.NDArray[np.int64]
 
 
 def lost(numbers: Sequence[int] | Nanoseconds, repeats: Nanoseconds | None = None) -> int | None:
-    """Return how many sequence numbers are missing between the first and the last.
+    """Return how many sequence numbers are missing between the first and the last; those of a restarted node begin again.
 
-    None: any is unknown (-1), or two programs publish (`contract.publishers`), whose numbers alternate.
-
-    A number may come twice. Numbers are counted modulo 2**32; those of a restarted node begin again, which is no loss.
+    None: any is unknown (-1), or two programs publish.
 
     Args:
         numbers: (n,) sequence numbers in the order of publication.
         repeats: (n,) how many publications before each were repetitions, which are no samples; None: none were left out.
     """
-    counted = np.array(numbers, dtype=np.int64)
-    if np.any(counted < 0):
-        return None
-    if np.any(np.diff(counted) % NUMBERS >= NUMBERS // 2):
-        order = Order()
-        back = np.array([order.goes_back(number) for number in counted.tolist()])
-        places = np.flatnonzero(back)
-        if np.any(places[TIMES - 1 :] - places[: 1 - TIMES] < WITHIN):
+    order, publishers = Order(), Publishers()
+    left_out = [0] * len(numbers) if repeats is None else [0, *repeats[1:].tolist()]
+    for number, before in zip(map(int, numbers), left_out, strict=False):
+        for published in range(number - before, number + 1):
+            order.goes_back(published % NUMBERS)
+        if number < 0 or publishers.several(number):
             return None
-        # Put publications that others have overtaken in their place.
-        node = np.cumsum(back)
-        since = (counted - counted[np.concatenate(([0], places))[node]]) % NUMBERS
-        ordered = np.lexsort((since, node))
-        counted, repeats = counted[ordered], None if repeats is None else repeats[ordered]
-    steps = np.diff(counted) % NUMBERS
-    steps -= 0 if repeats is None else repeats[1:]
-    return int(np.sum(steps[(steps > 1) & (steps < NUMBERS // 2)] - 1))
+    return order.missing
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,6 @@ from enum import Enum, auto
 from typing import Final, NamedTuple
 
 from beatrix_zenoh import threads
-from beatrix_zenoh.body.figure import geometry_of
 from beatrix_zenoh.bus import Incoming
 from beatrix_zenoh.bus.query_forms import read
 from beatrix_zenoh.client.request import ask
@@ -38,7 +37,6 @@ from beatrix_zenoh.contract._generated.messages import (
     Reason,
     Status,
 )
-from beatrix_zenoh.contract._generated.robot import ROBOT, GeometryData
 from beatrix_zenoh.contract.codec import encode_json
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.contract.names import EYES
@@ -118,13 +116,11 @@ ANSWER_S: Final = 1.0
 
 @dataclass(frozen=True)
 class RobotAnswer:
-    """Clock offset, geometry and description of a robot."""
+    """Clock offset and description of a robot."""
 
     place: Place
     offset: Offset | None = None
     """offset of the robot's monotonic clock; None: the robot did not answer"""
-    geometry: GeometryData = ROBOT.geometry
-    """the default geometry if the robot did not answer"""
     info: Info | None = None
     """what the robot says of itself; None: it did not answer"""
 
@@ -175,8 +171,7 @@ class RobotQueries:
             if not again:  # otherwise the robot does not answer now, but its earlier values are still valid
                 self._answers.append(RobotAnswer(place))
             return
-        geometry = ROBOT.geometry if info.geometry is None else geometry_of(info.geometry)
-        self._answers.append(RobotAnswer(place, offset, geometry, info))
+        self._answers.append(RobotAnswer(place, offset, info))
 
 
 LATE_NS: Final = 2_000_000_000

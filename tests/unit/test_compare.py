@@ -71,7 +71,7 @@ ALLOWED = Thresholds(lag_s=0.01, rms_deg=0.2, largest_deg=0.5, rest_deg=0.2, mis
 
 def test_each_exceeded_threshold_is_reported() -> None:
     sentences = " ".join(
-        ALLOWED.exceeded(compare(shaken([0.0] * 3), shaken([-0.2] * 3, offset=1.0)), slipped=-4)
+        ALLOWED.exceeded(compare(replace(shaken([0.0] * 3), slipped=-4), shaken([-0.2] * 3, offset=1.0)))
     )
     for part in (
         "The lag is -0.200 s; at most 0.01 s in either direction is allowed.",
@@ -85,18 +85,18 @@ def test_each_exceeded_threshold_is_reported() -> None:
 
 
 def test_a_figure_that_exceeds_its_threshold_never_looks_equal_to_it() -> None:
-    found = compare(shaken([0.0] * 3), shaken([0.05004] * 3))
-    (sentence,) = Thresholds(lag_s=0.05, missed_steps=3).exceeded(found, -3)
+    found = compare(replace(shaken([0.0] * 3), slipped=-3), shaken([0.05004] * 3))
+    (sentence,) = Thresholds(lag_s=0.05, missed_steps=3).exceeded(found)
     assert "The lag is +0.0500" in sentence
     assert "+0.050 s" not in sentence
 
 
 def test_thresholds_that_cannot_be_checked_are_reported() -> None:
     still = Recording(np.arange(0.0, 5.0, 0.02), np.zeros((250, 6)))
-    sentences = ALLOWED.exceeded(compare(still, still), slipped=None)
+    sentences = ALLOWED.exceeded(compare(still, still))
     assert sentences == [
         (
-            "At most 0.01 s of lag is allowed, but the lag could not be measured: nothing moved. "
+            "At most 0.01 s of lag is allowed, but the lag is not known: nothing moved. "
             "Move both robots during the comparison."
         ),
         "At most 0 missed steps are allowed, but this source does not measure them: only a live simulation does.",
@@ -106,10 +106,10 @@ def test_thresholds_that_cannot_be_checked_are_reported() -> None:
 @pytest.mark.parametrize("unknown", [0, -1])
 def test_a_threshold_fails_if_one_axis_is_unknown(unknown: int) -> None:
     found = compare(shaken([0.0] * 3), shaken([0.0] * 3))
-    assert Thresholds(rest_deg=1.0).exceeded(found, None) == []
+    assert Thresholds(rest_deg=1.0).exceeded(found) == []
     axes = list(found.axes)
     axes[unknown] = replace(axes[unknown], at_rest=math.nan)
-    assert len(Thresholds(rest_deg=1.0).exceeded(replace(found, axes=tuple(axes)), None)) == 1
+    assert len(Thresholds(rest_deg=1.0).exceeded(replace(found, axes=tuple(axes)))) == 1
 
 
 @pytest.mark.parametrize("value", [-1.0, math.nan, math.inf])

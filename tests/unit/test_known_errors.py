@@ -22,7 +22,7 @@ from beatrix_zenoh.contract._generated.messages import EventKind
 from beatrix_zenoh.recording.causes import findings
 from beatrix_zenoh.recording.compare import Thresholds, compare
 from beatrix_zenoh.recording.requests import homes_set
-from beatrix_zenoh.recording.series import LiveRecording, part_of
+from beatrix_zenoh.recording.series import part_of
 from beatrix_zenoh.recording.verbs.comparison_text import as_document, text
 
 CASES = {case.name: case for case in known_cases.cases()}
@@ -150,11 +150,8 @@ def test_any_recordings_are_compared_or_refused_with_a_reason(
     except ValueError as error:
         assert re.search("cannot be compared|share", str(error)), error  # noqa: PT017
         return
-    exceeded = Thresholds(1.0, 1.0, 1.0, 1.0, 0).exceeded(found, None)
+    exceeded = Thresholds(1.0, 1.0, 1.0, 1.0, 0).exceeded(found)
     if found.compared_s < found.shared_s / 4:
         assert any("could be compared" in sentence for sentence in exceeded)
-    live = [
-        LiveRecording("bea", side, each, 0.0, None) for side, each in zip(("sim", "hw"), both, strict=True)
-    ]
-    assert "nan" not in text(found, live[0], live[1], exceeded)
-    assert json.dumps(as_document(found, live[0], live[1], exceeded))
+    assert "nan" not in text(found, exceeded)
+    assert json.dumps(as_document(found, exceeded))
