@@ -175,18 +175,26 @@ def median_lag(first: Recording, second: Recording, found: Alignment, axes: tupl
 
 def axis_difference(axis: str, lag_s: float, before: Floats, after: Floats, still: Floats) -> AxisDifference:
     """Summarise the differences (deg) of one row before and after removal of the lags, and `still` where both rest."""
-    if not len(after):
-        return AxisDifference(axis, lag_s, *[math.nan] * 6)
     return AxisDifference(
         axis,
         lag_s,
-        largest=float(np.max(np.abs(before))),
-        rms=float(np.sqrt(np.mean(before**2))),
-        largest_after=float(np.max(np.abs(after))),
-        rms_after=float(np.sqrt(np.mean(after**2))),
-        at_rest=float(np.max(np.abs(still))) if len(still) else math.nan,
-        offset=float(np.mean(still)) if len(still) else math.nan,
+        largest=largest(before),
+        rms=mean(before**2) ** 0.5,
+        largest_after=largest(after),
+        rms_after=mean(after**2) ** 0.5,
+        at_rest=largest(still),
+        offset=mean(still),
     )
+
+
+def largest(values: Floats) -> float:
+    """Return the largest amount; NaN if there are no values."""
+    return float(np.max(np.abs(values))) if values.size else math.nan
+
+
+def mean(values: Floats) -> float:
+    """Return the mean; NaN if there are no values."""
+    return float(np.mean(values)) if values.size else math.nan
 
 
 def differences(first: Floats, second: Floats) -> Floats:
@@ -195,16 +203,11 @@ def differences(first: Floats, second: Floats) -> Floats:
     return np.column_stack([turned(second - first), heads_apart(first[:, head], second[:, head])])
 
 
-def off(recorded: Recording, t: Floats) -> Floats:
-    """Return the distances (n, 3) of the arms from their set points (deg) at n times (s); NaN if unknown."""
-    if recorded.commanded is None:
-        return np.full((len(t), len(ARMS)), math.nan)
-    return np.asarray(resample(recorded, t)[:, : len(ARMS)] - resample(recorded.arms, t))
-
-
 def largest_off(recorded: Recording, t: Floats) -> float:
     """Return the largest distance of an arm from its set point (deg) at some times; NaN if unknown."""
-    return float(np.max(np.abs(off(recorded, t)))) if len(t) else math.nan
+    if recorded.commanded is None:
+        return math.nan
+    return largest(resample(recorded, t)[:, : len(ARMS)] - resample(recorded.arms, t))
 
 
 @dataclass(frozen=True)

@@ -256,3 +256,6 @@ class LiveOutput:
             self._stream.close()
             self._stream = None
         return False
+
+
+Output = FileOutput | LiveOutput

@@ -17,11 +17,11 @@ from beatrix_zenoh.client.sound import Sound
 from beatrix_zenoh.client.subscription import CameraImage
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
 from beatrix_zenoh.recording.losses import POSITIONS, Count, Losses, LossReport, Stream
+from beatrix_zenoh.recording.outputs import Output
 from beatrix_zenoh.recording.rows import (
     Difference,
     Frame,
     Numbers,
-    Output,
     RecordingRow,
     RobotRows,
     RobotSet,

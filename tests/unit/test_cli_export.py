@@ -95,12 +95,12 @@ def test_a_signal_leaves_no_incomplete_file(
         ("lesson.rrd --video new.avi", 2, "must end in .mp4"),
         ("lesson.rrd --video new.mp4 --on hw", 2, "--on chooses the robot of --eye or --sound"),
         ("lesson.rrd --video new.mp4", 1, "contains ada, bob: choose the robot of the film with --name"),
-        ("lesson.rrd --video new.mp4 --name ada --eye right", 1, "Both robots have pictures of the right eye: choose --on"),
-        ("lesson.rrd --video new.mp4 --name ada --eye left --on hw", 1, "it has pictures of: right (ada, hw), left (ada, sim), right (ada, sim)"),
-        ("lesson.rrd --video new.mp4 --name ada --eye left --from 1", 1, "it has pictures of: none"),
+        ("lesson.rrd --video new.mp4 --name ada --eye right", 1, "pictures of the right eye (`record --cameras 5`) of ada (hw), ada (sim): choose"),
+        ("lesson.rrd --video new.mp4 --name ada --eye left --on hw", 1, "pictures of the left eye (`record --cameras 5`) of ada (sim): choose"),
+        ("lesson.rrd --video new.mp4 --name ada --eye left --from 1", 1, "of no robot"),
         ("lesson.rrd --video new.mp4 --name ada --eye left", 1, "this span contains no whole picture"),
-        ("lesson.rrd --sound new.wav", 1, "the sound of ada (hw), ada (sim): choose one with --name, and --on"),
-        ("lesson.rrd --sound new.wav --name bob", 1, "no such sound. `beatrix record --sound` records"),
+        ("lesson.rrd --sound new.wav", 1, "of ada (hw), ada (sim): choose one of them with --name, and --on"),
+        ("lesson.rrd --sound new.wav --name bob", 1, "the sound (`record --sound`) of no robot"),
     ],
 )  # fmt: skip
 def test_refusals_name_the_cure_and_write_nothing(

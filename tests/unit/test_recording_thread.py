@@ -92,7 +92,8 @@ class Rig:
             cast("Any", inbox) for inbox in (self.subscriptions, self.queries, self.notes)
         )
         about = About(7, title="lesson")
-        self.thread = Recorder(subscriptions, queries, [self.output], self.messages.append, 0.0, about, notes)
+        outputs = cast("Any", [self.output])
+        self.thread = Recorder(subscriptions, queries, outputs, self.messages.append, 0.0, about, notes)
 
     def publish(self, value: Positions | Status) -> None:
         """Deliver a publication now."""

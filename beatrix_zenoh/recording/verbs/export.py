@@ -15,14 +15,14 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import SIDE_TITLES, SIDES
 from beatrix_zenoh.files import check_new, new_file
 from beatrix_zenoh.output import print_json, progress_bar, say
-from beatrix_zenoh.recording.verbs.files import RECORDING, read_recording
+from beatrix_zenoh.recording.verbs.files import RECORDING, only, read_recording
 from beatrix_zenoh.shutdown import signals_interrupt
 from beatrix_zenoh.terminal.options import Json, Names, Which, finite
 
 if TYPE_CHECKING:  # importing numpy and rerun would delay every verb
     from beatrix_zenoh.recording.export import Table
     from beatrix_zenoh.recording.film import FilmFrame
-    from beatrix_zenoh.recording.samples import EyePicture, EyePictures
+    from beatrix_zenoh.recording.samples import EyePicture
     from beatrix_zenoh.recording.sound import WrittenSound
 
 WAV = ".wav"
@@ -214,7 +214,8 @@ def written_film(
         without = "" if any(robot == name for robot, _, _ in eyes) else NO_PICTURES
         shows, frames = f"{name}, {' and '.join(sides)}{without}", side_by_side(table, name, eyes)
     else:
-        side = side_of_eye(eyes, name, eye, on)
+        seen = [(robot, side) for robot, side, of in eyes if of == eye]
+        _, side = only(seen, name, on, f"pictures of the {eye} eye (`record --cameras 5`) of")
         pictures = eyes[name, side, eye]
         shows, frames = f"the {eye} eye of {name} ({side})", eye_frames(pictures)
     with new_file(path) as unfinished:
@@ -233,25 +234,6 @@ def only_name(table: Table) -> str:
             f"The recording contains {', '.join(names)}: choose the robot of the film with --name.",
         )
     return names[0]
-
-
-def side_of_eye(eyes: EyePictures, name: str, eye: EyeName, on: Which | None) -> str:
-    """Return the side that has pictures of an eye; raises Refused unless there is exactly one."""
-    sides = [
-        side for robot, side, of in eyes if (robot, of) == (name, eye) and on in (None, Which.BOTH, side)
-    ]
-    if len(sides) > 1:
-        raise Refused(
-            Reason.BAD_VALUE, f"Both robots have pictures of the {eye} eye: choose --on sim or --on hw."
-        )
-    if not sides:
-        held = ", ".join(f"{of} ({robot}, {side})" for robot, side, of in sorted(eyes)) or "none"
-        raise Refused(
-            Reason.BAD_VALUE,
-            f"This part of the recording has no such pictures of the {eye} eye; it has pictures of: {held}. "
-            "Choose another eye, robot or part; `beatrix record --cameras 5` records pictures.",
-        )
-    return sides[0]
 
 
 def watched(frames: Iterable[FilmFrame], table: Table) -> Iterator[FilmFrame]:
@@ -273,19 +255,7 @@ def write_sound(path: Path, recordings: Sequence[Path], table: Table, on: Which 
     from beatrix_zenoh.recording.rrd.read import read_sound
     from beatrix_zenoh.recording.sound import write_wav
 
-    robots = [(name, side) for name, side in table.robots if on in (None, Which.BOTH, side)]
-    heard = read_sound(recordings, robots, table.first_ns, table.last_ns)
-    if not heard:
-        raise Refused(
-            Reason.BAD_VALUE,
-            "This part of the recording has no such sound. `beatrix record --sound` records the microphones.",
-        )
-    if len(heard) > 1:
-        found = ", ".join(f"{name} ({side})" for name, side in sorted(heard))
-        raise Refused(
-            Reason.BAD_VALUE,
-            f"The recording has the sound of {found}: choose one with --name, and --on sim or --on hw.",
-        )
-    ((_, blocks),) = heard.items()
+    heard = read_sound(recordings, list(table.robots), table.first_ns, table.last_ns)
+    place = only(heard, None, on, "the sound (`record --sound`) of")
     with new_file(path) as unfinished:
-        return write_wav(unfinished, blocks)
+        return write_wav(unfinished, heard[place])

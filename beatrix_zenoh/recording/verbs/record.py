@@ -25,9 +25,8 @@ from beatrix_zenoh.terminal.options import Cameras, Connect, Json, Names, On, Vi
 from beatrix_zenoh.terminal.targets import Selection, open_targets
 
 if TYPE_CHECKING:  # importing numpy and rerun would delay every verb
-    from beatrix_zenoh.recording.outputs import FileOutput
+    from beatrix_zenoh.recording.outputs import FileOutput, Output
     from beatrix_zenoh.recording.recorder import Recorder, RecordingOptions
-    from beatrix_zenoh.recording.rows import Output
     from beatrix_zenoh.recording.viewer import Viewer
 
 MOTION_FILE = ".csv"
