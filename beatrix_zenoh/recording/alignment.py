@@ -17,13 +17,11 @@ from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.recording.motion_shifts import (
     AROUND_S,
     FAR_S,
-    LOCAL_S,
-    NEAR_S,
     Expected,
     MovedPart,
     measured,
 )
-from beatrix_zenoh.recording.requests import Alone, MotionRequest, Shared, alone, pairs, shared
+from beatrix_zenoh.recording.requests import MOVED, Alone, MotionRequest, Shared, alone, pairs, shared
 from beatrix_zenoh.recording.series import GRID_S, Flags, Floats, Recording, resample, resting, runs
 
 BEFORE_S = 0.3
@@ -74,18 +72,17 @@ class Alignment:
 def aligned(first: Recording, second: Recording) -> Alignment:
     """Match the motions of both robots and measure the shift of each."""
     ways = movements(first), movements(second)
-    asked = within(first)
+    asked, answered = requested(first, second, ways)
     span = float(first.t[0]), float(min(first.t[-1], second.t[-1]))
-    both = pairs(asked, within(second), *span)
+    both = pairs(asked, answered, *span)
     matched = shared(both)
-    single = [motion for motion in alone(both, span[1]) if not follows(motion, ways[0], asked)]
+    single = list(alone(both, span[1]))
     ways = (
         parted(ways[0], [each.t for each in single if not each.hardware]),
         parted(ways[1], [each.t for each in single if each.hardware]),
     )
-    expected = [*of_requests(ways[0], matched), *of_movement(first, ways, matched, single)]
-    expected.sort(key=lambda motion: motion.begin_s)
-    expected = [replace(motion, begin_s=max(motion.begin_s, float(first.t[0]))) for motion in expected]
+    expected = of_requests(ways[0], matched)
+    expected = [replace(motion, begin_s=max(motion.begin_s, span[0])) for motion in expected]
     parts = tuple(measured(first, second, motion) for motion in expected)
     known = [part.shift_s for part in parts if not part.why and not part.lead_s]
     shift_s = float(np.median(known)) if known else 0.0
@@ -97,6 +94,27 @@ def aligned(first: Recording, second: Recording) -> Alignment:
     return replace(plain, parts=kept, apart=left_out)
 
 
+def requested(
+    first: Recording, second: Recording, ways: tuple[Sequence[Interval], Sequence[Interval]]
+) -> tuple[list[MotionRequest], list[MotionRequest]]:
+    """Return the requests during both recordings, also one for each movement without any: by number, or by time.
+
+    A simulation that moves with the hardware although no request reached it follows: both have moved without a request.
+    """
+    asked, answered = within(first), within(second)
+    unasked = [way for way in ways[0] if not caused(way, asked)]
+    answered = [
+        each
+        for each in answered
+        if each.refused or each.lead_s is not None or not any(contains(way, each.t) for way in unasked)
+    ]
+    unanswered = [way for way in ways[1] if not caused(way, answered)]
+    numbered = len(unasked) == len(unanswered)
+    asked += [moved(first, way, i * numbered) for i, way in enumerate(unasked)]
+    answered += [moved(second, way, i * numbered) for i, way in enumerate(unanswered)]
+    return sorted(asked, key=lambda each: each.t), sorted(answered, key=lambda each: each.t)
+
+
 def within(recorded: Recording) -> list[MotionRequest]:
     """Return the requests during a recording, and those before and after it that belong to them."""
     return [
@@ -106,18 +124,14 @@ def within(recorded: Recording) -> list[MotionRequest]:
     ]
 
 
-def follows(motion: Alone, ways: Sequence[Interval], asked: Sequence[MotionRequest]) -> bool:
-    """Return whether the simulation moved with the hardware although no request reached it: it follows.
+def caused(way: Interval, requests: Sequence[MotionRequest]) -> bool:
+    """Return whether a request may have caused, or changed, a movement."""
+    return any(not each.refused and contains(way, each.t) for each in requests)
 
-    Args:
-        motion: a motion of one robot alone.
-        ways: the movements of the simulation.
-        asked: the requests to the simulation.
-    """
-    way = next((way for way in ways if contains(way, motion.t)), None)
-    if not motion.hardware or way is None:
-        return False
-    return not any(not each.refused and contains(way, each.t) for each in asked)
+
+def moved(recorded: Recording, way: Interval, number: int) -> MotionRequest:
+    """Return a request for a movement without one, which only a movement of the same number can answer."""
+    return MotionRequest(max(way[0], float(recorded.t[0])), f"{MOVED} {number}", "")
 
 
 def movements(recorded: Recording) -> list[Interval]:
@@ -154,9 +168,10 @@ def of_requests(ways: Sequence[Interval], matched: Sequence[Shared]) -> list[Exp
 def of_group(begin_s: float, end_s: float, group: Sequence[Shared]) -> Expected:
     """Return the motion of requests with almost equal shifts."""
     shift_s = float(np.median([shift(motion) for motion in group]))
-    return Expected(
-        begin_s, end_s, shift_s, group[0].lead_s, separate(group, shift_s), single=len(group) == 1
-    )
+    without = group[0].sim.unrecorded
+    begun = without and begin_s < group[0].sim.t
+    unknown = BEGUN if begun else "" if without else separate(group, shift_s)
+    return Expected(begin_s, end_s, shift_s, group[0].lead_s, unknown, single=len(group) == 1)
 
 
 def separate(group: Sequence[Shared], pause_s: float) -> str:
@@ -178,43 +193,6 @@ def shift(motion: Shared) -> float:
 def contains(way: Interval, t: float) -> bool:
     """Return whether a request at this time may have caused, or changed, a movement."""
     return way[0] - BEFORE_S <= t <= way[1]
-
-
-def of_movement(
-    first: Recording,
-    ways: tuple[list[Interval], list[Interval]],
-    matched: Sequence[Shared],
-    single: Sequence[Alone],
-) -> list[Expected]:
-    """Return the motions of the first robot without requests; each is expected where a movement of the second begins."""
-    asked = [motion.first.t for motion in matched] + [each.t for each in single if not each.hardware]
-    answered = [motion.hw.t for motion in matched] + [each.t for each in single if each.hardware]
-    mine = [way for way in ways[0] if not any(contains(way, t) for t in asked)]
-    theirs = [way for way in ways[1] if not any(contains(way, t) for t in answered)]
-    return [
-        Expected(
-            *way,
-            shift_s,
-            unknown=BEGUN if way[0] < first.t[0] else "",
-            limits_s=(LOCAL_S, NEAR_S, FAR_S),
-        )
-        for way, shift_s in zip(mine, expected_shifts(mine, theirs), strict=True)
-    ]
-
-
-def expected_shifts(mine: Sequence[Interval], theirs: Sequence[Interval]) -> list[float]:
-    """Return the expected shift of each movement: to the movement of the second with the same number, or the nearest."""
-    begins = [way[0] for way in theirs]
-    found, last_s = [], -math.inf
-    for i, (begin_s, _) in enumerate(mine):
-        free = [each for each in begins if each > last_s]
-        if len(mine) == len(theirs):
-            free = begins[i : i + 1]
-        other_s = min(free, key=lambda each: abs(each - begin_s), default=math.inf)
-        near = abs(other_s - begin_s) <= FAR_S
-        found.append(other_s - begin_s if near else 0.0)
-        last_s = other_s if near else last_s
-    return found
 
 
 def apart(

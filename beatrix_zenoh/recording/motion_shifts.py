@@ -140,7 +140,6 @@ class Expected:
     lead_s: float | None = None
     unknown: str = ""
     """why the lag is unknown, whatever is measured"""
-    limits_s: tuple[float, ...] = (LOCAL_S, NEAR_S, WIDE_S)
     single: bool = True
     """whether one request, or an unknown number of requests, caused it"""
 
@@ -168,7 +167,7 @@ def measured(first: Recording, second: Recording, motion: Expected) -> MovedPart
     """Measure the shift of a motion; it stays unknown if no shift explains the movement of each arm."""
     one, other = chosen(first, range(len(ARMS))), chosen(second, range(len(ARMS)))
     found, t = Shift(math.nan, math.inf), first.t
-    for limit_s in motion.limits_s:
+    for limit_s in (LOCAL_S, NEAR_S, WIDE_S):
         t = window(first, second, motion, limit_s)
         found = best_shift(one, other, t, motion.shift_s, limit_s)
         if found.explains:
@@ -177,21 +176,21 @@ def measured(first: Recording, second: Recording, motion: Expected) -> MovedPart
     lead_s, shift_s = motion.lead_s or 0.0, found.s if known else motion.shift_s
     why = motion.unknown
     if not why and not known:
-        why = unknown(found, motion.limits_s[-1]) if len(t) else "most of it lies in gaps of the recordings"
+        why = unknown(found) if len(t) else "most of it lies in gaps of the recordings"
     elif not why and lead_s and shift_s < lead_s - SOONER_S:
         why = f"the hardware began {lead_s - shift_s:.1f} s before the lead of {lead_s:g} s had ended"
     lag_s = math.nan if why else shift_s - lead_s
     return MovedPart(motion.begin_s, motion.end_s, motion.lead_s, shift_s, lag_s, why, known)
 
 
-def unknown(found: Shift, limit_s: float) -> str:
+def unknown(found: Shift) -> str:
     """Return why a shift is unknown."""
     if found.left == math.inf:
         return "the recording ends before the hardware made it"
     if found.left >= EXPLAINED:
-        return f"no shift of up to {limit_s:g} s explains more than {max(0.0, 1 - found.left):.0%} of the movement"
+        return f"no shift of up to {WIDE_S:g} s explains more than {max(0.0, 1 - found.left):.0%} of the movement"
     if math.isnan(found.s):
-        return f"the shift is longer than the {limit_s:g} s that were searched"
+        return f"the shift is longer than the {WIDE_S:g} s that were searched"
     return "the arms, or begin and end of the movement, have different lags"
 
 

@@ -25,6 +25,8 @@ FAR_S: Final = 5.0
 STREAM_S: Final = 1.5
 """A node counts the requests of a stream for a second; requests this close (s) to counted ones belong to the stream."""
 HOME: Final = "HOME"
+MOVED: Final = "moved"
+"""Begin of the content of a movement whose request was not recorded."""
 SETS_HOME: Final = ("CALIBRATE", "@CALNOW")
 """The command, and the line of an old program, after which angles count from another home."""
 
@@ -52,6 +54,11 @@ class MotionRequest:
     """time (s) of the end"""
     count: int = 1
     """number of requests of a stream of targets that this one represents"""
+
+    @property
+    def unrecorded(self) -> bool:
+        """Whether only the movement was recorded, not its request."""
+        return isinstance(self.content, str) and self.content.startswith(MOVED)
 
     @property
     def absolute(self) -> bool:
@@ -237,7 +244,7 @@ def alone(matched: Sequence[Pair], end_s: float) -> Iterator[Alone]:
         accepted = [request is not None and not request.refused for request in pair]
         if accepted[0] != accepted[1]:
             request = pair[accepted[1]]
-            if request is not None and id(request) not in made:
+            if request is not None and not request.unrecorded and id(request) not in made:
                 yield Alone(request.t, hardware=accepted[1])
 
 
