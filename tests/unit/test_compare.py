@@ -13,13 +13,11 @@ from hypothesis import strategies as st
 from msgspec import structs
 from statuses import AT_HOME
 
-from beatrix_zenoh.contract._generated.messages import Head, Positions, Vector3
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.motion.trajectory import plan
 from beatrix_zenoh.recording.compare import Thresholds, compare
 from beatrix_zenoh.recording.series import (
-    AXES,
     Recording,
     heads_apart,
     recording,
@@ -125,21 +123,6 @@ def test_yaw_is_compared_modulo_a_turn() -> None:
     assert compare(first, second).axes[3].largest == pytest.approx(1.0)
 
 
-def message(k: int) -> Positions:
-    """Return the k-th message of a robot at rest."""
-    arms = Vector3(*(math.radians(angle) for angle in (1, 2, 3)))
-    head = Head(*(math.radians(angle) for angle in (4, 5, 6)))
-    return structs.replace(AT_HOME, seq=k, t_mono_ns=k * 20_000_000, position=arms, commanded=arms, head=head)
-
-
-def test_recording_turns_messages_into_degrees_in_the_order_of_the_axes() -> None:
-    found = recording([message(0), message(1)])
-    assert list(found.t) == pytest.approx([0, 0.02])
-    assert dict(zip(AXES, found.angles[1], strict=True)) == pytest.approx(
-        {"short": 1, "middle": 2, "long": 3, "yaw": 4, "pitch": 5, "roll": 6}
-    )
-
-
 @given(st.lists(st.tuples(*[st.floats(-80, 80)] * 3), min_size=2, max_size=2))
 def test_the_angle_between_heads_is_that_of_their_rotations(heads: list[tuple[float, float, float]]) -> None:
     one, other = (np.array(rotation_of(*(math.radians(angle) for angle in head))) for head in heads)
@@ -150,7 +133,11 @@ def test_the_angle_between_heads_is_that_of_their_rotations(heads: list[tuple[fl
 
 def test_gaps_and_lost_samples_are_counted() -> None:
     kept = [k for k in range(100) if k not in (40, 41, 70)]
-    found = regularity(recording([message(k) for k in [*kept[:50], *kept[49:]]]))
+    found = regularity(
+        recording(
+            [structs.replace(AT_HOME, seq=k, t_mono_ns=k * 20_000_000) for k in [*kept[:50], *kept[49:]]]
+        )
+    )
     assert (found.samples, found.lost, found.gaps) == (97, 3, 2)
     assert found.period_ms == pytest.approx(20)
     assert found.longest_ms == pytest.approx(60)
