@@ -10,6 +10,7 @@ import statistics
 import time
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from beatrix_zenoh.client.choreography import play, shipped
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Positions
 from beatrix_zenoh.contract._generated.robot import ROBOT
+from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.demo.verbs import start
 from beatrix_zenoh.paths.follow import follow
 from beatrix_zenoh.paths.path import path_of_recording
@@ -25,7 +27,7 @@ from beatrix_zenoh.paths.replay import replay
 from beatrix_zenoh.processes import Supervisor
 from beatrix_zenoh.recording.alignment import aligned
 from beatrix_zenoh.recording.compare import compare
-from beatrix_zenoh.recording.motion_shifts import lag
+from beatrix_zenoh.recording.motion_shifts import NEAR_S, best_shift
 from beatrix_zenoh.recording.series import Floats, Recording, recording
 from beatrix_zenoh.recording.verbs.comparison_text import axes_table
 from beatrix_zenoh.shutdown import signals_interrupt
@@ -125,6 +127,13 @@ def print_twin(sim: Sequence[Positions], hw: Sequence[Positions], robots: tuple[
         print(
             f"lag of each motion by comparison, against that of its first degrees: at most {apart * 1e3:.1f} ms apart"
         )
+
+
+def lag(first: Recording, second: Recording) -> float:
+    """Return the lag (s), up to NEAR_S, of the set points or positions of the second behind the first."""
+    t = np.arange(first.t[0] + NEAR_S, first.t[-1] - NEAR_S, 0.01)
+    one, other = (replace(each, angles=each.angles[:, : len(ARMS)]) for each in (first, second))
+    return best_shift(one, other, t, 0.0, NEAR_S).s
 
 
 def rms_after_one_lag(first: Recording, second: Recording) -> float:

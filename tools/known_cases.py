@@ -8,7 +8,7 @@ from dataclasses import replace
 from known_arm_cases import UNKNOWN, Case, hw, of_all_arms
 from known_robots import GOALS, Act, Arms, Known, acts
 
-from beatrix_zenoh.recording.arm_causes import Cause
+from beatrix_zenoh.recording.causes import Cause
 from beatrix_zenoh.recording.compare import Thresholds
 
 HOME: Arms = (0.0, 0.0, 0.0)
@@ -83,7 +83,7 @@ def of_requests() -> list[Case]:
             "one motion of the simulation alone",
             hw(),
             requested=instead(3, replace(third, on="sim", lead_s=None)),
-            found=((Cause.NOT_ASKED, (), 1),),
+            found=((Cause.ALONE, "", 1),),
         ),
         Case(
             "the simulation returns from a motion of its own",
@@ -93,20 +93,20 @@ def of_requests() -> list[Case]:
                 replace(acts()[6], t=acts()[7].t, goal=(5.0, 5.0, 5.0), on="sim", lead_s=None),
                 Act(19.0, GOALS[6]),
             ),
-            found=((Cause.NOT_ASKED, (), 1),),
+            found=((Cause.ALONE, "", 1),),
             all_known=True,
         ),
         Case(
             "one motion of the hardware alone",
             hw(),
             requested=instead(3, replace(third, on="hw", lead_s=None)),
-            found=((Cause.NOT_ASKED, (), 1),),
+            found=((Cause.ALONE, "", 1),),
         ),
         Case(
             "refused by the hardware",
             hw(),
             requested=instead(3, replace(third, refused="Motors are off.")),
-            found=((Cause.NOT_ASKED, (), 1),),
+            found=((Cause.ALONE, "", 1),),
         ),
     ]
 
@@ -119,20 +119,20 @@ def of_ends() -> list[Case]:
             "aborted in its lead",
             hw(),
             requested=instead(3, replace(third, on="sim", lead_s=1.5), Act(third.t + 0.4, None, on="sim")),
-            found=((Cause.NOT_ASKED, (), 1),),
+            found=((Cause.ALONE, "", 1),),
         ),
         Case(
             "another motion replaces one in its lead",
             hw(),
             requested=instead(3, replace(third, on="sim", lead_s=1.5), Act(third.t + 0.4, (25.0, 5.0, 5.0))),
-            found=((Cause.NOT_ASKED, (), 1),),
+            found=((Cause.ALONE, "", 1),),
         ),
         Case("replaced on both", hw(), requested=instead(3, third, Act(third.t + 0.4, (25.0, 5.0, 5.0)))),
         Case(
             "stopped on the hardware",
             hw(),
             requested=instead(3, third, Act(third.t + 0.4, None, on="hw")),
-            found=((Cause.STOPPED, (), 1),),
+            found=((Cause.ALONE, "", 1),),
         ),
     ]
 
@@ -151,7 +151,7 @@ def of_one_robot() -> list[Case]:
             name,
             robot or hw(),
             lag_s,
-            ((Cause.NOT_ASKED, (), motions),),
+            ((Cause.ALONE, "", motions),),
             (Act(1.0, far), *others, Act(5.4, HOME), *usual),
             checks=((Thresholds(rms_deg=0.5, largest_deg=1.0), True),),
         )
@@ -245,7 +245,7 @@ def of_speed() -> list[Case]:
             UNKNOWN,
             alike=False,
             sim=Known("sim", seed=7, speed=speed),
-            said="the hardware's movement lasts",
+            said="have different lags",
             checks=((Thresholds(lag_s=9.0), False),),
         )
 

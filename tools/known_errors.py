@@ -17,9 +17,8 @@ from known_cases import cases
 from known_robots import as_recordings, from_file
 
 from beatrix_zenoh.output import columns
-from beatrix_zenoh.recording.arm_causes import Cause, Finding
+from beatrix_zenoh.recording.causes import Cause, Finding, findings
 from beatrix_zenoh.recording.compare import Comparison, compare
-from beatrix_zenoh.recording.diagnosis import findings
 from beatrix_zenoh.recording.verbs.comparison_text import lag_sentence, lead_sentences
 
 SECONDS = 21.0
@@ -27,13 +26,7 @@ LAG_S, LEAD_S, RMS_DEG = 0.005, 0.02, 0.15
 NOISE_DEG, LOST = 0.1, 0.1
 FEW_S = 0.1
 """Of publications with longer periods (s) there are too few to lose an exact share."""
-TOLERANCE = {
-    Cause.OFFSET: 0.05,
-    Cause.SCALE: 0.005,
-    Cause.CREEP: 0.1,
-    Cause.BEGAN_APART: 0.3,
-    Cause.LOSS: 0.03,
-}
+TOLERANCE = {Cause.OFFSET: 0.05, Cause.LOSS: 0.03}
 """How much the figure of a finding may differ from the truth; 0 of all others."""
 
 
@@ -92,15 +85,15 @@ def wrong(case: Case, variant: Variant, found: Comparison) -> list[str]:
     countable = not (
         variant.file and case.hw.jump[1] < 0
     )  # numbers that alternate look like those of two programs
-    expected = list(case.found) + [(Cause.LOSS, (), share)] * bool(variant.lost and countable)
+    expected = list(case.found) + [(Cause.LOSS, "", share)] * bool(variant.lost and countable)
     got = findings(found)
-    for cause, arms, value in expected:
-        if not any(fits(finding, cause, arms, value) for finding in got):
-            result.append(f"not found: {cause} {' '.join(arms)} {value:g}")
+    for cause, arm, value in expected:
+        if not any(fits(finding, cause, arm, value) for finding in got):
+            result.append(f"not found: {cause} {arm} {value:g}")
     surplus = [each.sentence for each in got if not any(fits(each, *one) for one in expected)]
     result += [f"not said: {case.said}"] * (case.said not in " ".join(sentences(found)))
     for limits, passes in case.checks:
-        if bool(exceeded := limits.exceeded(found, None)) is passes:
+        if bool(exceeded := limits.exceeded(found)) is passes:
             result.append(" ".join(exceeded) or f"within {limits}")
     return [*result, *surplus]
 
@@ -111,10 +104,10 @@ def sentences(found: Comparison) -> list[str]:
     return [lag_sentence(found), *lead_sentences(found), *said]
 
 
-def fits(finding: Finding, cause: Cause, arms: tuple[str, ...], value: float) -> bool:
+def fits(finding: Finding, cause: Cause, arm: str, value: float) -> bool:
     """Return whether a finding is the expected one."""
     near = math.isnan(value) or abs(finding.value - value) <= TOLERANCE.get(cause, 0.0)
-    return (finding.cause, finding.arms) == (cause, arms) and near
+    return (finding.cause, finding.arm) == (cause, arm) and near
 
 
 def row(case: Case, found: Comparison, faults: Sequence[str]) -> tuple[str, ...]:

@@ -230,4 +230,4 @@ def from_file(
         raise OSError(f"{path} was not written within 30 s")
     stream.close()
     sim, hw = recorded(path, "known")
-    return sim.recording, hw.recording
+    return sim, hw

@@ -35,7 +35,8 @@ def pictures(path: Path, shots: Sequence[tuple[int, float]]) -> list[bytes]:
         try:
             return _pictures(viewer, path, shots)
         except ConnectionError:
-            if viewer.ended():
+            time.sleep(NOTICE_S)  # it may just have stopped answering
+            if viewer.code is not None:
                 raise Refused(Reason.BAD_VALUE, viewer.ending()) from None
             raise
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final, NamedTuple
 
@@ -20,7 +19,7 @@ from beatrix_zenoh.client.degrees import RobotInfo, motion_query, robot_of
 from beatrix_zenoh.client.plan import unlike
 from beatrix_zenoh.contract._generated.messages import MotionQuery, Reason
 from beatrix_zenoh.contract._generated.robot import RobotData
-from beatrix_zenoh.contract.errors import BeatrixError, Refused, naming
+from beatrix_zenoh.contract.errors import Refused, naming
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.paths.path import ArmPath, Floats
@@ -45,7 +44,6 @@ KEEP_S: Final = 1.0
 """At rest a target is repeated after this time, because a seat holds a robot only until 2 s after a motion."""
 OFF_DEG: Final = 3.0
 """Largest allowed deviation of an arm from the path (deg)."""
-SLOWER: Final = (0.8, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1)
 _REST: Final = (0.0, 0.0, 0.0)
 
 
@@ -207,17 +205,9 @@ def too_fast(path: ArmPath, limits: MotionLimits, off: OffThePath) -> str:
     return (
         f"{path.where(off.t)}: the path is too fast. The arms would deviate by {off.deg:.1f}° from the path; "
         f"at most {OFF_DEG:g}° is allowed. They turn at {math.degrees(limits.speed_max):g}°/s at most, and "
-        f"accelerate at {math.degrees(limits.acceleration):g}°/s². {advice(path, limits)}"
+        f"accelerate at {math.degrees(limits.acceleration):g}°/s². Give the path more time, with a --speed-factor below "
+        f"{path.factor:g} or points further apart."
     )
-
-
-def advice(path: ArmPath, limits: MotionLimits) -> str:
-    """Return the advice for a path that is too fast, with the largest factor of SLOWER that works."""
-    for factor in SLOWER:
-        with suppress(OffThePath, BeatrixError):
-            planned(path.at_speed(factor), limits)
-            return f"Give the path more time, for example with --speed-factor {path.factor * factor:.2g}."
-    return "Give the path more time: put its points further apart."
 
 
 def _radians(angles: Sequence[float] | Floats) -> Arms:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,13 +17,11 @@ from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.recording.motion_shifts import (
     AROUND_S,
     FAR_S,
-    LOCAL_S,
-    NEAR_S,
     Expected,
     MovedPart,
     measured,
 )
-from beatrix_zenoh.recording.requests import NOT_ASKED, Alone, MotionRequest, Shared, alone, pairs, shared
+from beatrix_zenoh.recording.requests import MOVED, Alone, MotionRequest, Shared, alone, pairs, shared
 from beatrix_zenoh.recording.series import GRID_S, Flags, Floats, Recording, resample, resting, runs
 
 BEFORE_S = 0.3
@@ -48,10 +46,7 @@ class Alignment:
     apart: tuple[Interval, ...]
     """times of the first in which the robots were not asked for the same movement"""
     alone: tuple[Alone, ...]
-    early: tuple[Shared, ...]
-    """motions that only one of the robots carried out to the end"""
-    followed: tuple[Alone, ...]
-    """requests to the hardware that the simulation, which was not asked, followed"""
+    """motions that one of the robots did not make, or did not carry out to the end"""
     shift_s: float
     """shift where there are no motions"""
 
@@ -77,31 +72,47 @@ class Alignment:
 def aligned(first: Recording, second: Recording) -> Alignment:
     """Match the motions of both robots and measure the shift of each."""
     ways = movements(first), movements(second)
-    single: list[Alone] = []
-    followed: list[Alone] = []
-    asked = within(first)
+    asked, answered = requested(first, second, ways)
     span = float(first.t[0]), float(min(first.t[-1], second.t[-1]))
-    both = pairs(asked, within(second), *span)
+    both = pairs(asked, answered, *span)
     matched = shared(both)
-    for motion in alone(both, *span):
-        (followed if follows(motion, ways[0], asked) else single).append(motion)
+    single = list(alone(both, span[1]))
     ways = (
-        parted(ways[0], [each.request.t for each in single if not each.hardware]),
-        parted(ways[1], [each.request.t for each in single if each.hardware]),
+        parted(ways[0], [each.t for each in single if not each.hardware]),
+        parted(ways[1], [each.t for each in single if each.hardware]),
     )
-    expected = [*of_requests(ways[0], matched), *of_movement(first, ways, matched, single)]
-    expected.sort(key=lambda motion: motion.begin_s)
-    expected = [replace(motion, begin_s=max(motion.begin_s, float(first.t[0]))) for motion in expected]
+    expected = of_requests(ways[0], matched)
+    expected = [replace(motion, begin_s=max(motion.begin_s, span[0])) for motion in expected]
     parts = tuple(measured(first, second, motion) for motion in expected)
     known = [part.shift_s for part in parts if not part.why and not part.lead_s]
     shift_s = float(np.median(known)) if known else 0.0
-    early = tuple(motion for motion in matched if ended_early(motion))
-    plain = Alignment(parts, (), tuple(single), early, tuple(followed), shift_s)
+    plain = Alignment(parts, (), (*single, *ended_early(matched)), shift_s)
     left_out = tuple(apart(first, second, plain, ways, matched))
     kept = tuple(
         part for part in parts if not any(begin_s <= part.begin_s < end_s for begin_s, end_s in left_out)
     )
     return replace(plain, parts=kept, apart=left_out)
+
+
+def requested(
+    first: Recording, second: Recording, ways: tuple[Sequence[Interval], Sequence[Interval]]
+) -> tuple[list[MotionRequest], list[MotionRequest]]:
+    """Return the requests during both recordings, also one for each movement without any: by number, or by time.
+
+    A simulation that moves with the hardware although no request reached it follows: both have moved without a request.
+    """
+    asked, answered = within(first), within(second)
+    unasked = [way for way in ways[0] if not caused(way, asked)]
+    answered = [
+        each
+        for each in answered
+        if each.refused or each.lead_s is not None or not any(contains(way, each.t) for way in unasked)
+    ]
+    unanswered = [way for way in ways[1] if not caused(way, answered)]
+    numbered = len(unasked) == len(unanswered)
+    asked += [moved(first, way, i * numbered) for i, way in enumerate(unasked)]
+    answered += [moved(second, way, i * numbered) for i, way in enumerate(unanswered)]
+    return sorted(asked, key=lambda each: each.t), sorted(answered, key=lambda each: each.t)
 
 
 def within(recorded: Recording) -> list[MotionRequest]:
@@ -113,18 +124,14 @@ def within(recorded: Recording) -> list[MotionRequest]:
     ]
 
 
-def follows(motion: Alone, ways: Sequence[Interval], asked: Sequence[MotionRequest]) -> bool:
-    """Return whether the simulation moved with the hardware although no request reached it: it follows.
+def caused(way: Interval, requests: Sequence[MotionRequest]) -> bool:
+    """Return whether a request may have caused, or changed, a movement."""
+    return any(not each.refused and contains(way, each.t) for each in requests)
 
-    Args:
-        motion: a motion of one robot alone.
-        ways: the movements of the simulation.
-        asked: the requests to the simulation.
-    """
-    way = next((way for way in ways if contains(way, motion.request.t)), None)
-    if motion.why != NOT_ASKED or way is None:
-        return False
-    return not any(not each.refused and contains(way, each.t) for each in asked)
+
+def moved(recorded: Recording, way: Interval, number: int) -> MotionRequest:
+    """Return a request for a movement without one, which only a movement of the same number can answer."""
+    return MotionRequest(max(way[0], float(recorded.t[0])), f"{MOVED} {number}", "")
 
 
 def movements(recorded: Recording) -> list[Interval]:
@@ -161,9 +168,10 @@ def of_requests(ways: Sequence[Interval], matched: Sequence[Shared]) -> list[Exp
 def of_group(begin_s: float, end_s: float, group: Sequence[Shared]) -> Expected:
     """Return the motion of requests with almost equal shifts."""
     shift_s = float(np.median([shift(motion) for motion in group]))
-    return Expected(
-        begin_s, end_s, shift_s, group[0].lead_s, separate(group, shift_s), single=len(group) == 1
-    )
+    without = group[0].sim.unrecorded
+    begun = without and begin_s < group[0].sim.t
+    unknown = BEGUN if begun else "" if without else separate(group, shift_s)
+    return Expected(begin_s, end_s, shift_s, group[0].lead_s, unknown, single=len(group) == 1)
 
 
 def separate(group: Sequence[Shared], pause_s: float) -> str:
@@ -187,44 +195,6 @@ def contains(way: Interval, t: float) -> bool:
     return way[0] - BEFORE_S <= t <= way[1]
 
 
-def of_movement(
-    first: Recording,
-    ways: tuple[list[Interval], list[Interval]],
-    matched: Sequence[Shared],
-    single: Sequence[Alone],
-) -> list[Expected]:
-    """Return the motions of the first robot without requests; each is expected where a movement of the second begins."""
-    asked = [motion.first.t for motion in matched] + [each.request.t for each in single if not each.hardware]
-    answered = [motion.hw.t for motion in matched] + [each.request.t for each in single if each.hardware]
-    mine = [way for way in ways[0] if not any(contains(way, t) for t in asked)]
-    theirs = [way for way in ways[1] if not any(contains(way, t) for t in answered)]
-    return [
-        Expected(
-            *way,
-            shift_s,
-            unknown=BEGUN if way[0] < first.t[0] else "",
-            limits_s=(LOCAL_S, NEAR_S, FAR_S),
-            requested=False,
-        )
-        for way, shift_s in zip(mine, expected_shifts(mine, theirs), strict=True)
-    ]
-
-
-def expected_shifts(mine: Sequence[Interval], theirs: Sequence[Interval]) -> list[float]:
-    """Return the expected shift of each movement: to the movement of the second with the same number, or the nearest."""
-    begins = [way[0] for way in theirs]
-    found, last_s = [], -math.inf
-    for i, (begin_s, _) in enumerate(mine):
-        free = [each for each in begins if each > last_s]
-        if len(mine) == len(theirs):
-            free = begins[i : i + 1]
-        other_s = min(free, key=lambda each: abs(each - begin_s), default=math.inf)
-        near = abs(other_s - begin_s) <= FAR_S
-        found.append(other_s - begin_s if near else 0.0)
-        last_s = other_s if near else last_s
-    return found
-
-
 def apart(
     first: Recording,
     second: Recording,
@@ -245,9 +215,7 @@ def apart(
         and (motion.sim.end_s is not None and motion.hw.end_s is not None)
     ]
     found = []
-    begins = [(each.request.t, each.hardware) for each in plain.alone]
-    begins += [(motion.first.t, False) for motion in plain.early]
-    for begin_s, hardware in begins:
+    for begin_s, hardware in plain.alone:
         own = ways[1] if hardware else ways[0]
         way = next((way for way in reversed(own) if contains(way, begin_s)), (begin_s, begin_s))
         start_s, rest_s = min(way[0], begin_s), way[1]
@@ -260,8 +228,10 @@ def apart(
     return found
 
 
-def ended_early(motion: Shared) -> bool:
-    """Return whether one robot carried the motion out, or began the next one, and the other did not."""
-    ends = motion.sim.end, motion.hw.end
-    carried_out = [end in (Reason.OK, Reason.REPLACED) for end in ends]
-    return None not in ends and carried_out[0] != carried_out[1]
+def ended_early(matched: Sequence[Shared]) -> Iterator[Alone]:
+    """Yield the motions that one robot carried out, or replaced by the next one, and the other did not."""
+    for motion in matched:
+        ends = motion.sim.end, motion.hw.end
+        sim, hw = (end in (Reason.OK, Reason.REPLACED) for end in ends)
+        if None not in ends and sim != hw:
+            yield Alone(motion.hw.t if hw else motion.first.t, hardware=hw)

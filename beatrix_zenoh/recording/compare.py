@@ -13,7 +13,7 @@ from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.recording.alignment import Alignment, aligned
 from beatrix_zenoh.recording.motion_shifts import LOCAL_S, MovedPart, best_shift, chosen, differ, window
-from beatrix_zenoh.recording.requests import Alone, Shared
+from beatrix_zenoh.recording.requests import Alone
 from beatrix_zenoh.recording.series import (
     AXES,
     GRID_S,
@@ -21,11 +21,8 @@ from beatrix_zenoh.recording.series import (
     Flags,
     Floats,
     Recording,
-    Regularity,
     common_grid,
     heads_apart,
-    new_homes,
-    regularity,
     resample,
     resting,
     sampled,
@@ -70,11 +67,7 @@ class Comparison:
     moved: tuple[MovedPart, ...]
     """the motions, each with the lead and the lag of its positions"""
     alone: tuple[Alone, ...]
-    """the motions that only one robot made; they are no differences"""
-    followed: tuple[Alone, ...]
-    """the motions of the hardware that the simulation made, too, without being asked: it follows"""
-    early: tuple[Shared, ...]
-    """the motions that one robot carried out to the end, and the other did not; they are no differences"""
+    """the motions that only one robot carried out; they are no differences"""
     t: Floats
     """times (s)"""
     first: Floats
@@ -83,8 +76,8 @@ class Comparison:
     """angles of the second robot, as `first`"""
     second_after: Floats
     """angles of the second robot after removal of each motion's lead and lag, as `first`"""
-    asked: tuple[bool, bool]
-    """for each robot, whether it accepted a request"""
+    robots: tuple[Recording, Recording]
+    """the whole recordings"""
     compared: Flags
     """at which times the differences were taken: where both robots were recorded without a gap, and asked for the
     same movement"""
@@ -99,9 +92,6 @@ class Comparison:
     off_set_points: tuple[float, float]
     """for each robot, the largest distance of an arm from its set point while both robots rest (deg); NaN: unknown. A
     lost full step is 0.69 deg."""
-    regularity: tuple[Regularity, Regularity]
-    homes: tuple[int, int]
-    """for each robot, how often CALIBRATE gave it another home; the recordings are cut there"""
 
     @property
     def seconds(self) -> float:
@@ -140,13 +130,11 @@ def compare(first: Recording, second: Recording) -> Comparison:
         lag_s=median_lag(first.arms, second.arms, found, tuple(range(len(ARMS)))),
         moved=found.parts,
         alone=found.alone,
-        followed=found.followed,
-        early=found.early,
         t=t,
         first=a,
         second=b,
         second_after=c,
-        asked=(asked(first), asked(second)),
+        robots=whole,
         compared=compared,
         rest=rest,
         apart_s=float(np.count_nonzero(~comparable)) * GRID_S,
@@ -162,14 +150,7 @@ def compare(first: Recording, second: Recording) -> Comparison:
             for i in range(len(AXES) + 1)
         ),
         off_set_points=(largest_off(first, t[rest]), largest_off(second, seconds[rest])),
-        regularity=(regularity(whole[0]), regularity(whole[1])),
-        homes=(len(new_homes(whole[0])), len(new_homes(whole[1]))),
     )
-
-
-def asked(recorded: Recording) -> bool:
-    """Return whether a robot accepted a request of a motion."""
-    return any(not request.refused for request in recorded.requests)
 
 
 def columns(row: int) -> tuple[int, ...]:
@@ -194,18 +175,26 @@ def median_lag(first: Recording, second: Recording, found: Alignment, axes: tupl
 
 def axis_difference(axis: str, lag_s: float, before: Floats, after: Floats, still: Floats) -> AxisDifference:
     """Summarise the differences (deg) of one row before and after removal of the lags, and `still` where both rest."""
-    if not len(after):
-        return AxisDifference(axis, lag_s, *[math.nan] * 6)
     return AxisDifference(
         axis,
         lag_s,
-        largest=float(np.max(np.abs(before))),
-        rms=float(np.sqrt(np.mean(before**2))),
-        largest_after=float(np.max(np.abs(after))),
-        rms_after=float(np.sqrt(np.mean(after**2))),
-        at_rest=float(np.max(np.abs(still))) if len(still) else math.nan,
-        offset=float(np.mean(still)) if len(still) else math.nan,
+        largest=largest(before),
+        rms=mean(before**2) ** 0.5,
+        largest_after=largest(after),
+        rms_after=mean(after**2) ** 0.5,
+        at_rest=largest(still),
+        offset=mean(still),
     )
+
+
+def largest(values: Floats) -> float:
+    """Return the largest amount; NaN if there are no values."""
+    return float(np.max(np.abs(values))) if values.size else math.nan
+
+
+def mean(values: Floats) -> float:
+    """Return the mean; NaN if there are no values."""
+    return float(np.mean(values)) if values.size else math.nan
 
 
 def differences(first: Floats, second: Floats) -> Floats:
@@ -214,16 +203,11 @@ def differences(first: Floats, second: Floats) -> Floats:
     return np.column_stack([turned(second - first), heads_apart(first[:, head], second[:, head])])
 
 
-def off(recorded: Recording, t: Floats) -> Floats:
-    """Return the distances (n, 3) of the arms from their set points (deg) at n times (s); NaN if unknown."""
-    if recorded.commanded is None:
-        return np.full((len(t), len(ARMS)), math.nan)
-    return np.asarray(resample(recorded, t)[:, : len(ARMS)] - resample(recorded.arms, t))
-
-
 def largest_off(recorded: Recording, t: Floats) -> float:
     """Return the largest distance of an arm from its set point (deg) at some times; NaN if unknown."""
-    return float(np.max(np.abs(off(recorded, t)))) if len(t) else math.nan
+    if recorded.commanded is None:
+        return math.nan
+    return largest(resample(recorded, t)[:, : len(ARMS)] - resample(recorded.arms, t))
 
 
 @dataclass(frozen=True)
@@ -246,20 +230,16 @@ class Thresholds:
             if value is not None and not (math.isfinite(value) and value >= 0):
                 raise WrongUsage(Reason.BAD_VALUE, f"{name} is {value:g}: give a number, 0 or more.")
 
-    def exceeded(self, found: Comparison, slipped: int | None) -> list[str]:
+    def exceeded(self, found: Comparison) -> list[str]:
         """Return a sentence for each threshold that is exceeded or cannot be checked."""
-        return [*self._lag(found), *self._axes(found), *self._missed(slipped)]
+        return [*self._lag(found), *self._axes(found), *self._missed(found.robots[0].slipped)]
 
     def _lag(self, found: Comparison) -> Iterator[str]:
         if self.lag_s is None:
             return
-        if math.isnan(found.lag_s):
-            yield f"At most {self.lag_s:g} s of lag is allowed, but the lag could not be measured: {why_no_lag(found)}"
-        elif 2 * len(unknown := [part.why for part in found.moved if part.why]) >= len(found.moved):
-            yield (
-                f"At most {self.lag_s:g} s of lag is allowed, but the lag of {len(unknown)} of {len(found.moved)} motions is "
-                f"unknown: {unknown[0]}."
-            )
+        unknown = sum(1 for part in found.moved if part.why)
+        if math.isnan(found.lag_s) or 2 * unknown >= len(found.moved):
+            yield f"At most {self.lag_s:g} s of lag is allowed, but the lag is not known: {why_no_lag(found)}"
         elif abs(found.lag_s) > self.lag_s:
             lag = distinct(found.lag_s, self.lag_s, "+")
             yield f"The lag is {lag} s; at most {self.lag_s:g} s in either direction is allowed."
@@ -321,6 +301,6 @@ def why_no_lag(found: Comparison) -> str:
         return "no motion was made by both robots. Move both during the comparison."
     if differ(found.moved):
         lags_ms = [part.lag_s * 1e3 for part in found.moved if not math.isnan(part.lag_s)]
-        return f"the lags of the motions differ, from {min(lags_ms):.0f} to {max(lags_ms):.0f} ms."
+        return f"the lags of the motions differ, from {min(lags_ms):z.0f} to {max(lags_ms):z.0f} ms."
     reasons = list(dict.fromkeys(part.why for part in found.moved if part.why))
     return f"{'; '.join(reasons[:MOST]) or 'the set points of the two robots do not agree'}."

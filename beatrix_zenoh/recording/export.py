@@ -1,4 +1,4 @@
-"""A recording as a table: one row every 20 ms with all robots side by side, or every sample as it was published.
+"""A recording as a table: one row every 20 ms with all robots side by side.
 
 Tables are made in blocks of rows, so that a long recording of a class needs little memory. Numbers that are missing are NaN.
 """
@@ -28,7 +28,6 @@ from beatrix_zenoh.recording.samples import (
     Note,
     Recorded,
     Samples,
-    joined,
 )
 from beatrix_zenoh.recording.series import HEAD
 
@@ -39,8 +38,7 @@ DECIMALS: Final = 6
 FORMULA: Final = ("=", "+", "-", "@", "\t")
 """Beginnings of formulas in a spreadsheet."""
 
-Values = Floats | Nanoseconds | list[str] | list[str | None]
-Block = dict[str, Values]
+Block = dict[str, Floats | list[str | None]]
 """Columns of equal length by name."""
 
 
@@ -90,41 +88,21 @@ class Table:
             texts[step] = f"{texts[step]}; {text}" if step in texts else text
         return texts
 
-    def samples(self) -> Iterator[Block]:
-        """Yield one row for each sample, robot after robot, with the numbers that were published."""
-        for (name, side), samples in self.robots.items():
-            begin = int(np.searchsorted(samples.time_ns, self.first_ns, "left"))
-            end = int(np.searchsorted(samples.time_ns, self.last_ns, "right"))
-            for start in range(begin, end, BLOCK):
-                rows = slice(start, min(start + BLOCK, end))
-                times = samples.time_ns[rows]
-                count = len(times)
-                yield {
-                    "robot": [name] * count,
-                    "side": [side] * count,
-                    "seq": samples.seq[rows],
-                    "repeats": samples.repeats[rows],
-                    "time_s": (times - self.start_ns) / 1e9,
-                    "time_ns": times,
-                    "robot_time_ns": samples.robot_ns[rows],
-                    **{column: values[rows] for column, values in quantities(samples)},
-                }
-
 
 HEAD_NAMES: Final = tuple(f"{axis}{what}_deg" for axis in HEAD for what in ("", "_measured"))
 
 
 def table(
-    parts: Sequence[Recorded], from_s: float = 0.0, to_s: float = math.inf, names: Sequence[str] = ()
+    recorded: Recorded, from_s: float = 0.0, to_s: float = math.inf, names: Sequence[str] = ()
 ) -> Table:
-    """Return the table of a recording, whose files are `parts`, for robots of these names; all robots if there is none.
+    """Return the table of a recording for robots of these names; all robots if there is none.
 
     `from_s`, `to_s`: the exported part, in seconds from the start of the recording; both ends are included.
 
     Raises:
-        Refused: BAD_VALUE, no such robot, parts that overlap, or no sample from `from_s` on.
+        Refused: BAD_VALUE, no such robot, or no sample from `from_s` on.
     """
-    robots = joined(parts)
+    robots = recorded.robots
     chosen = {place: samples for place, samples in robots.items() if not names or place[0] in names}
     if missing := sorted(set(names) - {name for name, _ in chosen}):
         held = ", ".join(sorted({name for name, _ in robots}))
@@ -143,15 +121,12 @@ def table(
         )
     from_ns = max(first_ns, start_ns + round(from_s * 1e9))
     to_ns = min(last_ns, start_ns + round(min(to_s, lasts_s) * 1e9))
-    notes = [
+    notes = tuple(
         note
-        for part in parts
-        for note in part.notes
+        for note in recorded.notes
         if (not from_s or note.time_ns >= from_ns) and (to_s > lasts_s or note.time_ns <= to_ns)
-    ]
-    # Files of `rerun rrd split` contain the last note before the cut again.
-    in_order = tuple(sorted(dict.fromkeys(notes), key=lambda note: note.time_ns))
-    return Table(chosen, start_ns, from_ns, to_ns, in_order)
+    )
+    return Table(chosen, start_ns, from_ns, to_ns, notes)
 
 
 def quantities(samples: Samples) -> Iterator[tuple[str, Floats]]:
@@ -220,13 +195,12 @@ def write_table(path: Path, blocks: Iterable[Block]) -> int:
 
 
 def record_batch(block: Block) -> pa.RecordBatch:
-    """Return a block as columns of Arrow, with null for NaN and for unknown whole numbers."""
+    """Return a block as columns of Arrow, with null for NaN."""
     columns = {}
     for name, values in block.items():
         if isinstance(values, list):
             columns[name] = pa.array(values, pa.string())
         else:
-            missing = values < 0 if values.dtype == np.int64 else np.isnan(values)
             # Adding 0 turns -0.0, which would be "-0" in a cell, into 0.
-            columns[name] = pa.array(values + values.dtype.type(0), mask=missing)
+            columns[name] = pa.array(values + 0.0, mask=np.isnan(values))
     return pa.RecordBatch.from_pydict(columns)

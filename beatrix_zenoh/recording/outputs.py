@@ -8,7 +8,6 @@ import sys
 import time
 import uuid
 from collections.abc import Sequence
-from enum import Enum, auto
 from pathlib import Path
 from typing import Final
 
@@ -159,17 +158,6 @@ THAWING_S: Final = 0.02
 LEAVING_S: Final = 2.0
 
 
-class ViewerState(Enum):
-    """State of the connection to the viewer."""
-
-    MISSING = auto()
-    """no program listens on the port"""
-    CONNECTED = auto()
-    """the viewer receives data"""
-    FROZEN = auto()
-    """the viewer is connected but does not respond: rows are left out"""
-
-
 class LiveOutput:
     """Sends rows to the viewer on a port of this computer while the viewer receives them.
 
@@ -184,25 +172,25 @@ class LiveOutput:
         self._id = str(uuid.uuid4())
         self._rows: list[RecordingRow] = []
         self._stream: RowStream | None = None
-        self.state = ViewerState.MISSING
+        self.connected: bool | None = None
+        """Whether a viewer receives data; None: not probed yet."""
         self.left_out = 0
         """Number of rows that the viewer missed."""
-        self._reported: ViewerState | None = None
         self._sent_s = self._probed_s = 0.0  # the first update probes at once
 
     def show(self, robots: RobotSet) -> None:
         """Set the robots of the recording, if the viewer receives data."""
-        if self._stream is not None and self.state is ViewerState.CONNECTED:
+        if self._stream is not None and self.connected:
             self._stream.show(robots)
 
     def describe(self, about: About) -> None:
         """Set what the recording says of itself, if the viewer receives data."""
-        if self._stream is not None and self.state is ViewerState.CONNECTED:
+        if self._stream is not None and self.connected:
             self._stream.describe(about)
 
     def write(self, rows: Sequence[RecordingRow]) -> None:
         """Keep rows until the next `update`; without a viewer only count them."""
-        if self.state is ViewerState.CONNECTED:
+        if self.connected:
             # The viewer draws the waveform and plays no sound, which would only fill its memory.
             self._rows += [row for row in rows if not isinstance(row, SoundRow)]
         else:
@@ -213,26 +201,31 @@ class LiveOutput:
 
         Returns True if the viewer receives data again, or for the first time.
         """
-        if self.state is ViewerState.CONNECTED and now_s >= self._sent_s + SENDING_S:
+        if self.connected and now_s >= self._sent_s + SENDING_S:
             self._sent_s = now_s
             self._send()
         if now_s < self._probed_s + PROBE_S:
             return False
         self._probed_s = now_s
-        before = self.state
-        self.state = self._probe()
-        if self.state is not ViewerState.CONNECTED:
+        before, self.connected = self.connected, self._probe()
+        if not self.connected:
             self.left_out += len(self._rows)
             self._rows.clear()
-        self._report()
-        return self.state is ViewerState.CONNECTED and before is not ViewerState.CONNECTED
+            if before is not False:
+                self._say(
+                    f"No viewer on {HOST}:{self._port} takes data; they are left out until one responds. Start one with "
+                    f"`beatrix view{'' if self._port == PORT else f' --port {self._port}'}`; the robots then appear in it."
+                )
+        elif before is False:
+            self._say(f"The viewer receives data again; it missed {self.left_out} rows.")
+        return self.connected and not before
 
     def close(self) -> bool:
         """Send the remaining rows and disconnect; return False if the viewer blocks either.
 
         The process must then exit without waiting for Rerun.
         """
-        if self.state is ViewerState.CONNECTED:
+        if self.connected:
             self._send()
         if self._stream is None:
             return True
@@ -248,31 +241,21 @@ class LiveOutput:
         if rows and self._stream is not None:
             self._stream.send(rows)
 
-    def _probe(self) -> ViewerState:
-        """Try the port and the stream; connect to a viewer that has started."""
+    def _probe(self) -> bool:
+        """Try the port and the stream; connect to a viewer that has started. Return whether it receives data."""
         listening = answers(self._port)
+        patience_s = RECEIVING_S if self.connected or self._stream is None else THAWING_S
         if self._stream is None:
             if not listening:
-                return ViewerState.MISSING
+                return False
             self._stream = RowStream(self._id, "live")
             self._stream.to_viewer(address(self._port))
-        if self._stream.flush(THAWING_S if self.state is ViewerState.FROZEN else RECEIVING_S):
-            return ViewerState.CONNECTED if listening else ViewerState.MISSING
+        if self._stream.flush(patience_s):
+            return listening
         if self._stream.broken:
             self._stream.close()
             self._stream = None
-        return ViewerState.FROZEN if listening and self._stream is not None else ViewerState.MISSING
+        return False
 
-    def _report(self) -> None:
-        before, self._reported = self._reported, self.state
-        if self.state is before or (before is None and self.state is ViewerState.CONNECTED):
-            return
-        what = {
-            ViewerState.MISSING: (
-                f"No viewer answers on {HOST}:{self._port}. Start one with "
-                f"`beatrix view{'' if self._port == PORT else f' --port {self._port}'}`; the robots then appear in it."
-            ),
-            ViewerState.FROZEN: "The viewer does not respond, or is too slow. Data are left out until it responds.",
-            ViewerState.CONNECTED: f"The viewer receives data again; it missed {self.left_out} rows.",
-        }
-        self._say(what[self.state])
+
+Output = FileOutput | LiveOutput

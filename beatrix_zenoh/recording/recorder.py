@@ -10,18 +10,18 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 from beatrix_zenoh import threads
-from beatrix_zenoh.body.figure import Figure
+from beatrix_zenoh.body.figure import Figure, geometry_of
 from beatrix_zenoh.client.monitor import LOST_S
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.sound import Sound
 from beatrix_zenoh.client.subscription import CameraImage
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
 from beatrix_zenoh.recording.losses import POSITIONS, Count, Losses, LossReport, Stream
+from beatrix_zenoh.recording.outputs import Output
 from beatrix_zenoh.recording.rows import (
     Difference,
     Frame,
     Numbers,
-    Output,
     RecordingRow,
     RobotRows,
     RobotSet,
@@ -149,7 +149,8 @@ class Recorder:
         """Use the answer of a robot; yield the rows of the publications that were kept until then."""
         waiting = list(self._arrivals.answered(answer))
         if answer.place not in self._rows:
-            figure = Figure(answer.geometry)
+            own = answer.info.geometry if answer.info is not None else None
+            figure = Figure(geometry_of(own)) if own is not None else Figure()
             self._rows[answer.place] = RobotRows(answer.place, figure)
             self._show(replace(self._shown, robots={**self._shown.robots, answer.place: figure}))
         if answer.info is not None:

@@ -25,7 +25,8 @@ FAR_S: Final = 5.0
 STREAM_S: Final = 1.5
 """A node counts the requests of a stream for a second; requests this close (s) to counted ones belong to the stream."""
 HOME: Final = "HOME"
-NOT_ASKED: Final = "the simulation was not asked"
+MOVED: Final = "moved"
+"""Begin of the content of a movement whose request was not recorded."""
 SETS_HOME: Final = ("CALIBRATE", "@CALNOW")
 """The command, and the line of an old program, after which angles count from another home."""
 
@@ -53,6 +54,11 @@ class MotionRequest:
     """time (s) of the end"""
     count: int = 1
     """number of requests of a stream of targets that this one represents"""
+
+    @property
+    def unrecorded(self) -> bool:
+        """Whether only the movement was recorded, not its request."""
+        return isinstance(self.content, str) and self.content.startswith(MOVED)
 
     @property
     def absolute(self) -> bool:
@@ -218,35 +224,28 @@ def changes(before: MotionRequest, after: MotionRequest) -> bool:
 
 
 class Alone(NamedTuple):
-    """A motion that only one robot made, and a sentence with the reason."""
+    """A motion that only one robot carried out."""
 
-    request: MotionRequest
+    t: float
+    """time (s) of its request"""
     hardware: bool
-    """whether the hardware made it"""
-    why: str
+    """whether the hardware carried it out"""
 
 
-def alone(matched: Sequence[Pair], begin_s: float, end_s: float) -> Iterator[Alone]:
-    """Yield the motions that only one robot made between begin and end (s) of the recording."""
+def alone(matched: Sequence[Pair], end_s: float) -> Iterator[Alone]:
+    """Yield the motions that only one robot was asked for, or accepted, up to the end (s) of the recording."""
     made = {id(request) for motion in shared(matched) for request in motion.replaced}
     streams = sorted(
         request.t for pair in matched for request in pair if request is not None and request.count > 1
     )
-    for sim, hw in matched:
-        if any(request is not None and near(request.t, streams) for request in (sim, hw)):
+    for pair in matched:
+        if first_s(pair) > end_s or any(request is not None and near(request.t, streams) for request in pair):
             continue
-        if first_s(Pair(sim, hw)) > end_s:
-            continue
-        if sim is not None and (hw is None or hw.refused) and not sim.refused and id(sim) not in made:
-            yield Alone(sim, hardware=False, why=why_alone(sim, hw, end_s))
-        elif hw is not None and (sim is None or sim.refused) and not hw.refused:
-            if sim is not None:
-                why = f"the simulation refused it ({sim.refused.rstrip('.')})"
-            elif hw.lead_s is not None and hw.t - hw.lead_s <= begin_s:
-                why = "the simulation had made it before the recording began"
-            else:
-                why = NOT_ASKED
-            yield Alone(hw, hardware=True, why=why)
+        accepted = [request is not None and not request.refused for request in pair]
+        if accepted[0] != accepted[1]:
+            request = pair[accepted[1]]
+            if request is not None and not request.unrecorded and id(request) not in made:
+                yield Alone(request.t, hardware=accepted[1])
 
 
 def near(t: float, streams: Sequence[float]) -> bool:
@@ -256,18 +255,3 @@ def near(t: float, streams: Sequence[float]) -> bool:
     """
     i = bisect.bisect_left(streams, t)
     return any(abs(other - t) < STREAM_S for other in streams[max(0, i - 1) : i + 1])
-
-
-def why_alone(sim: MotionRequest, hw: MotionRequest | None, end_s: float = math.inf) -> str:
-    """Return the reason why only the simulation made a motion; `end_s` is the end (s) of the recording."""
-    if hw is not None:
-        return f"the hardware refused it ({hw.refused.rstrip('.')})"
-    if sim.lead_s is None:
-        return "the hardware was not asked"
-    if sim.end in (None, Reason.OK) and sim.t + sim.lead_s > end_s:
-        return "the recording ended first"
-    if sim.end is Reason.REPLACED:
-        return "another motion replaced it before the hardware was asked"
-    if sim.end not in (None, Reason.OK):
-        return "it was aborted before the hardware was asked"
-    return "the hardware was not asked"

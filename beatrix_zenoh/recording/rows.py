@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Final, NamedTuple, Protocol
+from typing import Final, NamedTuple
 
 from beatrix_zenoh.body.figure import Figure, Quaternion
 from beatrix_zenoh.client.session import Place
@@ -28,7 +28,6 @@ from beatrix_zenoh.contract.codec import encode_json
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.contract.sentences.events import plain_sentence
 from beatrix_zenoh.motion.rotation import rotation_of
-from beatrix_zenoh.recording.samples import About
 
 RECORDER = "_recorder"
 """Root of the recorder's own entities; no robot can have this name."""
@@ -136,33 +135,6 @@ class RobotSet:
     def sides(self, name: str) -> list[Place]:
         """Return the sides of one robot, the simulation first."""
         return [(name, side) for side in SIDES if (name, side) in self.robots]
-
-
-class Output(Protocol):
-    """A file or a viewer; used by the recorder's thread only."""
-
-    def show(self, robots: RobotSet) -> None:
-        """Set the robots of the recording."""
-        ...
-
-    def describe(self, about: About) -> None:
-        """Set what the recording says of itself."""
-        ...
-
-    def write(self, rows: Sequence[RecordingRow]) -> None:
-        """Add rows, which `update` writes."""
-        ...
-
-    def update(self, now_s: float) -> bool:
-        """Write the rows that are due at `now_s` (monotonic clock).
-
-        Returns True if the output has restarted and needs robots, description, poses and states again.
-        """
-        ...
-
-    def close(self) -> bool:
-        """Write the remaining rows and close; return False if that fails or takes too long."""
-        ...
 
 
 GRID_NS: Final = 20_000_000

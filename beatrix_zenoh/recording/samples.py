@@ -1,12 +1,12 @@
-"""The contents of a recording: what it says of itself, its samples as arrays, and how those of several files are joined."""
+"""The contents of a recording: what it says of itself and its samples as arrays."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Sequence
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from importlib import metadata
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
 import msgspec
 import numpy as np
@@ -14,9 +14,8 @@ import numpy.typing as npt
 
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract._generated import messages
-from beatrix_zenoh.contract._generated.messages import Event, Info, Reason
-from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.contract.publishers import NUMBERS, TIMES, WITHIN, Order
+from beatrix_zenoh.contract._generated.messages import Event, Info
+from beatrix_zenoh.contract.publishers import NUMBERS, Order, Publishers
 
 DISTRIBUTION = "beatrix-zenoh"
 
@@ -110,33 +109,22 @@ Nanoseconds = npt.NDArray[np.int64]
 
 
 def lost(numbers: Sequence[int] | Nanoseconds, repeats: Nanoseconds | None = None) -> int | None:
-    """Return how many sequence numbers are missing between the first and the last.
+    """Return how many sequence numbers are missing between the first and the last; those of a restarted node begin again.
 
-    None: any is unknown (-1), or two programs publish (`contract.publishers`), whose numbers alternate.
-
-    A number may come twice. Numbers are counted modulo 2**32; those of a restarted node begin again, which is no loss.
+    None: any is unknown (-1), or two programs publish.
 
     Args:
         numbers: (n,) sequence numbers in the order of publication.
         repeats: (n,) how many publications before each were repetitions, which are no samples; None: none were left out.
     """
-    counted = np.array(numbers, dtype=np.int64)
-    if np.any(counted < 0):
-        return None
-    if np.any(np.diff(counted) % NUMBERS >= NUMBERS // 2):
-        order = Order()
-        back = np.array([order.goes_back(number) for number in counted.tolist()])
-        places = np.flatnonzero(back)
-        if np.any(places[TIMES - 1 :] - places[: 1 - TIMES] < WITHIN):
+    order, publishers = Order(), Publishers()
+    left_out = [0] * len(numbers) if repeats is None else [0, *repeats[1:].tolist()]
+    for number, before in zip(map(int, numbers), left_out, strict=False):
+        for published in range(number - before, number + 1):
+            order.goes_back(published % NUMBERS)
+        if number < 0 or publishers.several(number):
             return None
-        # Put publications that others have overtaken in their place.
-        node = np.cumsum(back)
-        since = (counted - counted[np.concatenate(([0], places))[node]]) % NUMBERS
-        ordered = np.lexsort((since, node))
-        counted, repeats = counted[ordered], None if repeats is None else repeats[ordered]
-    steps = np.diff(counted) % NUMBERS
-    steps -= 0 if repeats is None else repeats[1:]
-    return int(np.sum(steps[(steps > 1) & (steps < NUMBERS // 2)] - 1))
+    return order.missing
 
 
 @dataclass(frozen=True)
@@ -207,79 +195,3 @@ class EyePicture(NamedTuple):
 
 EyePictures = dict[tuple[str, str, str], list[EyePicture]]
 """Pictures in the order of time, by robot, side and eye."""
-
-
-APART_NS: Final = 3_600_000_000_000
-"""Parts further apart than this are not of one recording: a table would have 180 000 empty rows for each hour."""
-OVERLAP_NS: Final = 1_000_000_000
-"""Parts of one recording may overlap by samples that arrived late; more than this is another recording."""
-
-Span = tuple[int, int]
-"""First and last time (ns since 1970)."""
-
-
-def check_parts(parts: Iterable[Mapping[Place, Span]], what: str, instead: str) -> None:
-    """Check that parts are of one recording, by the spans of their robots.
-
-    Args:
-        parts: the spans of each part.
-        what: beginning of the error.
-        instead: what to do if they are not.
-
-    Raises:
-        Refused: BAD_VALUE, two parts contain the same time of a robot, or are far apart.
-    """
-    ends: dict[Place, int] = {}
-    for part in sorted(parts, key=lambda part: union(part.values())):
-        first_ns, _ = union(part.values())
-        apart_ns = first_ns - max(ends.values(), default=first_ns)
-        shared = [place for place, span in part.items() if ends.get(place, 0) - span[0] > OVERLAP_NS]
-        if shared or apart_ns > APART_NS:
-            how = (
-                "contain the same time of {} ({})".format(*shared[0])
-                if shared
-                else f"are {apart_ns / 3.6e12:.1f} h apart"
-            )
-            raise Refused(
-                Reason.BAD_VALUE,
-                f"{what} {how}: they are not parts of one recording (`beatrix record --rotate`). {instead}",
-            )
-        ends |= {place: max(ends.get(place, 0), last_ns) for place, (_, last_ns) in part.items()}
-
-
-def union(spans: Iterable[Span]) -> Span:
-    """Return the span that contains these."""
-    firsts, lasts = zip(*spans, strict=True)
-    return min(firsts), max(lasts)
-
-
-def spans_of(part: Recorded) -> dict[Place, Span]:
-    """Return the span of each robot's samples."""
-    return {place: (int(each.time_ns[0]), int(each.time_ns[-1])) for place, each in part.robots.items()}
-
-
-def joined(parts: Sequence[Recorded]) -> dict[Place, Samples]:
-    """Return the samples of all robots in the order of time, from the files of one recording in any order.
-
-    Raises:
-        Refused: BAD_VALUE, two files contain the same time of one robot, or are far apart, so they are not parts of one
-            recording.
-    """
-    check_parts(map(spans_of, parts), "Two of the files", "Export them one by one.")
-    places = sorted({place for part in parts for place in part.robots})
-    return {
-        place: concatenated([part.robots[place] for part in parts if place in part.robots])
-        for place in places
-    }
-
-
-def concatenated(parts: Sequence[Samples]) -> Samples:
-    """Return the samples of one robot from several files; a sample that several files contain comes once."""
-    whole = {
-        field.name: np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Samples)
-    }
-    source = np.repeat(np.arange(len(parts)), [len(part.time_ns) for part in parts])
-    order = np.argsort(whole["time_ns"], kind="stable")
-    again = (np.diff(whole["time_ns"][order]) == 0) & (np.diff(source[order]) != 0)
-    order = order[np.append(True, ~again)]
-    return Samples(**{name: values[order] for name, values in whole.items()})

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -13,6 +12,7 @@ import numpy.typing as npt
 from beatrix_zenoh.client.degrees import REST_DEG, reading
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.robot_base import Offset, offset_of
+from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract._generated.messages import Event, Positions, Status
 from beatrix_zenoh.contract.errors import naming
 from beatrix_zenoh.contract.names import ARMS
@@ -63,6 +63,12 @@ class Recording:
     """the requests of motions, with times as in `t`"""
     homes_s: tuple[float, ...] = ()
     """times (s) at which the present position was declared home"""
+    place: Place = ("", "")
+    """name and side of the robot"""
+    clock_s: float = 0.0
+    """largest possible error of the times (s)"""
+    slipped: int | None = None
+    """full motor steps that slipped meanwhile, all arms together; None: not measured"""
 
     @property
     def arms(self) -> Recording:
@@ -142,22 +148,20 @@ def unbroken(first: Recording, second: Recording) -> tuple[Recording, Recording]
     """Return the longest common part without a hole, or a new home, in either recording; if there is none, both whole."""
     if min(len(first.t), len(second.t)) < 2:
         return first, second
-    edges = [max(first.t[0], second.t[0]), min(first.t[-1], second.t[-1])]
+    bad: list[tuple[float, float]] = []
     for recorded in (first, second):
         before = np.flatnonzero(np.diff(recorded.t) > HOLE_S)
-        edges += [*recorded.t[before], *recorded.t[before + 1]]
-    homes = [home_s for recorded in (first, second) for home_s in new_homes(recorded)]
-    edges += [edge for home_s in homes for edge in (home_s - BEFORE_HOME_S, home_s + AFTER_HOME_S)]
-    cuts = sorted(float(edge) for edge in edges if edges[0] <= edge <= edges[1])
-    whole = [
-        (b - a, a, b)
-        for a, b in itertools.pairwise(cuts)
-        if not (hole(first, a, b) or hole(second, a, b) or any(a <= home_s < b for home_s in homes))
-    ]
-    if not whole:
+        bad += zip(recorded.t[before].tolist(), recorded.t[before + 1].tolist(), strict=True)
+        bad += [(home_s - BEFORE_HOME_S, home_s + AFTER_HOME_S) for home_s in new_homes(recorded)]
+    free_s, end_s = float(max(first.t[0], second.t[0])), float(min(first.t[-1], second.t[-1]))
+    parts = []
+    for begin_s, until_s in [*sorted(bad), (end_s, end_s)]:
+        parts.append((min(begin_s, end_s) - free_s, free_s))
+        free_s = max(free_s, until_s)
+    length_s, begin_s = max(parts)
+    if length_s <= 0:
         return first, second
-    _, begin_s, end_s = max(whole)
-    return part_of(first, begin_s, end_s), part_of(second, begin_s, end_s)
+    return part_of(first, begin_s, begin_s + length_s), part_of(second, begin_s, begin_s + length_s)
 
 
 def new_homes(recorded: Recording) -> list[float]:
@@ -167,12 +171,6 @@ def new_homes(recorded: Recording) -> list[float]:
     return [
         float(t) for t, jump in zip(times, moved, strict=True) if np.abs(jump[: len(ARMS)]).max() > HOME_DEG
     ]
-
-
-def hole(recorded: Recording, begin_s: float, end_s: float) -> bool:
-    """Return whether samples are missing for more than HOLE_S between two times (s)."""
-    long = np.diff(recorded.t) > HOLE_S
-    return bool(np.any(long & (recorded.t[:-1] < end_s) & (recorded.t[1:] > begin_s)))
 
 
 def part_of(recorded: Recording, begin_s: float, end_s: float) -> Recording:
@@ -258,23 +256,9 @@ TAKE_S = 0.25
 """Period of reading the subscriptions and of reporting the time."""
 
 
-@dataclass(frozen=True)
-class LiveRecording:
-    """The recording of one robot."""
-
-    robot: str
-    side: str
-    recording: Recording
-    """a recording with times by this computer's monotonic clock (s)"""
-    clock_s: float
-    """largest possible error of the times of `recording` (s)"""
-    slipped: int | None
-    """full motor steps that slipped during the recording, all arms together; None: not measured"""
-
-
 def record_robots(
     robots: Sequence[Robot], seconds: float, passed: Callable[[float], None] = lambda _passed_s: None
-) -> list[LiveRecording]:
+) -> list[Recording]:
     """Record robots for some seconds; call `passed` with the elapsed seconds four times a second.
 
     Raises:
@@ -307,13 +291,17 @@ def record_robots(
 
 def live_recording(
     robot: Robot, positions: Sequence[Positions], events: Sequence[Event], offset: Offset, before: Status
-) -> LiveRecording:
+) -> Recording:
     """Return the recording of one robot, with times by this computer's clock."""
     with naming(str(robot)):
         slipped = slipped_between(before, robot.status())
     clock_s = offset.certain
-    found = recording(positions, clock_s, events)
-    return LiveRecording(robot.name, robot.side, found, offset.bound if clock_s else 0.0, slipped)
+    return replace(
+        recording(positions, clock_s, events),
+        place=robot.place,
+        clock_s=offset.bound if clock_s else 0.0,
+        slipped=slipped,
+    )
 
 
 def slipped_between(before: Status, after: Status) -> int | None:

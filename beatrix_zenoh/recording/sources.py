@@ -11,7 +11,6 @@ from enum import Enum, auto
 from typing import Final, NamedTuple
 
 from beatrix_zenoh import threads
-from beatrix_zenoh.body.figure import geometry_of
 from beatrix_zenoh.bus import Incoming
 from beatrix_zenoh.bus.query_forms import read
 from beatrix_zenoh.client.request import ask
@@ -38,7 +37,6 @@ from beatrix_zenoh.contract._generated.messages import (
     Reason,
     Status,
 )
-from beatrix_zenoh.contract._generated.robot import ROBOT, GeometryData
 from beatrix_zenoh.contract.codec import encode_json
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.contract.names import EYES
@@ -118,13 +116,11 @@ ANSWER_S: Final = 1.0
 
 @dataclass(frozen=True)
 class RobotAnswer:
-    """Clock offset, geometry and description of a robot."""
+    """Clock offset and description of a robot."""
 
     place: Place
     offset: Offset | None = None
     """offset of the robot's monotonic clock; None: the robot did not answer"""
-    geometry: GeometryData = ROBOT.geometry
-    """the default geometry if the robot did not answer"""
     info: Info | None = None
     """what the robot says of itself; None: it did not answer"""
 
@@ -175,8 +171,7 @@ class RobotQueries:
             if not again:  # otherwise the robot does not answer now, but its earlier values are still valid
                 self._answers.append(RobotAnswer(place))
             return
-        geometry = ROBOT.geometry if info.geometry is None else geometry_of(info.geometry)
-        self._answers.append(RobotAnswer(place, offset, geometry, info))
+        self._answers.append(RobotAnswer(place, offset, info))
 
 
 LATE_NS: Final = 2_000_000_000
@@ -220,10 +215,6 @@ class Timebase:
         else:
             self._offsets[place] = offset_ns, bound_ns
 
-    def forget(self, place: Place) -> None:
-        """Drop an offset that is no longer valid."""
-        self._offsets.pop(place, None)
-
     def knows(self, place: Place) -> bool:
         """Return whether the robot's offset is known."""
         return place in self._offsets
@@ -263,7 +254,7 @@ class Timed(NamedTuple):
 
 
 class TimedArrivals:
-    """Keeps publications until the clock offset of their robot is known, and measures it again if times do not fit.
+    """Keeps publications until the clock offset of their robot is known, and has it measured again if times do not fit.
 
     Counts all publications, and those that are dropped, left out or late.
     """
@@ -277,10 +268,6 @@ class TimedArrivals:
         """Yield the publication with its time, or keep it while the clock offset is unknown."""
         place = arrival.robot, arrival.side
         self._losses.received(stream_of(place, arrival.value), seq_of(arrival.value))
-        if self._is_wrong(place, arrival):
-            # The robot's computer was restarted or slept, or the publication is late: the answer shows which.
-            self._checked_ns[place] = arrival.t_mono_ns
-            self._timebase.forget(place)
         if self._timebase.knows(place):
             yield from self._timed(place, arrival)
             return
@@ -304,17 +291,6 @@ class TimedArrivals:
         for arrival in waiting:
             yield from self._timed(place, arrival)
 
-    def _is_wrong(self, place: Place, arrival: Arrival[Value]) -> bool:
-        """Return whether positions make a new measurement of the clock offset necessary."""
-        value = arrival.value
-        return (
-            isinstance(value, Positions)
-            and not value.repeated
-            and self._timebase.knows(place)
-            and self._timebase.delay(place, value.t_mono_ns, arrival.t_mono_ns) is not Delay.NONE
-            and arrival.t_mono_ns >= self._checked_ns.get(place, -CHECKED_NS) + CHECKED_NS
-        )
-
     def _timed(self, place: Place, arrival: Arrival[Value]) -> Iterator[Timed]:
         """Yield a publication with its time, unless its time stamps are impossible: it would spoil the recording."""
         value = arrival.value
@@ -323,6 +299,15 @@ class TimedArrivals:
         if isinstance(value, Positions) and value.repeated and delay is not Delay.NONE:
             yield Timed(arrival, self._timebase.time_ns(place, value.t_mono_ns), stale=True)
             return
+        checked_ns = self._checked_ns.get(place, -CHECKED_NS)
+        if (
+            isinstance(value, Positions)
+            and delay is not Delay.NONE
+            and arrival.t_mono_ns >= checked_ns + CHECKED_NS
+        ):
+            # The robot's computer was restarted or slept, or the publication is late: the answer shows which.
+            self._checked_ns[place] = arrival.t_mono_ns
+            self._queries.request(place)
         if delay is Delay.IMPOSSIBLE or value.t_wall_ns < 0:
             self._losses.count(stream).impossible += 1
             return

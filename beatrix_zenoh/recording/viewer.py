@@ -193,14 +193,6 @@ class Viewer:
         """Exit code of the viewer; None while it runs, 0 if its window was closed."""
         return self._process.poll()
 
-    def ended(self) -> bool:
-        """Return whether the viewer ends within END_S, for a caller that it has just stopped answering."""
-        try:
-            self._process.wait(END_S)
-        except subprocess.TimeoutExpired:
-            return False
-        return True
-
     def end(self) -> None:
         """Terminate the viewer, or kill it after END_S. May be called twice."""
         processes.end(self._process, END_S)

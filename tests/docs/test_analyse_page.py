@@ -51,7 +51,7 @@ def test_the_commands_of_the_page_write_its_files(
         assert words[0] == "beatrix"
         assert app.run(words[1:]) == 0, line
     out = capsys.readouterr().out
-    assert [int(rows) for rows in re.findall(r": (\d+) rows", out)] == [100, 50, 200, 302, 50]
+    assert [int(rows) for rows in re.findall(r": (\d+) rows", out)] == [100, 50, 302, 50]
     assert [int(frames) for frames in re.findall(r": (\d+) frames", out)] == [50, 2, 25]
 
 

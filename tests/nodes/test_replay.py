@@ -24,7 +24,7 @@ from beatrix_zenoh.paths.path import path_of
 from beatrix_zenoh.paths.replay import LATE_S, Progress
 from beatrix_zenoh.paths.replay import replay as replay_now
 from beatrix_zenoh.recording.compare import compare
-from beatrix_zenoh.recording.series import LiveRecording, record_robots
+from beatrix_zenoh.recording.series import Recording, record_robots
 
 NOD = """t_s,yaw_deg,pitch_deg,roll_deg
 0.0,0,0,0
@@ -68,9 +68,7 @@ def steps(robot: Robot) -> Steps:
     return ask(robot.client, robot.place, key, None, Positions, robot.timeout_s).steps
 
 
-def recorded_during(
-    stage: Stage, seconds: float, do: Callable[[], object]
-) -> tuple[LiveRecording, LiveRecording]:
+def recorded_during(stage: Stage, seconds: float, do: Callable[[], object]) -> tuple[Recording, Recording]:
     """Record both robots for `seconds` during a call; return the recordings of simulation and hardware."""
     robots = [stage.robot("bea", side, "eve") for side in ("sim", "hw")]
     with ThreadPoolExecutor(1) as pool:
@@ -81,7 +79,7 @@ def recorded_during(
     return sim, hw
 
 
-def check_path(live: LiveRecording, played: Following) -> None:
+def check_path(live: Recording, played: Following) -> None:
     """Check the distances of the set points from the path near their times.
 
     A pause of the computer shifts what follows it, so each set point is compared with the path within PAUSE_S of its
@@ -89,7 +87,7 @@ def check_path(live: LiveRecording, played: Following) -> None:
     """
     t = np.arange(-0.5, played.duration_s + 0.5, 0.005)
     path = played.path.at(t)
-    arms = live.recording.arms
+    arms = live.arms
     begin = int(np.argmax(np.max(np.abs(arms.angles - arms.angles[0]), axis=1) > 1.0))
     reached = int(np.argmax(np.max(np.abs(path - path[0]), axis=1) > 1.0))
     times = np.clip(arms.t - arms.t[begin] + t[reached], t[0], t[-1])
@@ -106,19 +104,19 @@ def test_both_robots_follow_a_path_and_a_known_lag_and_offset_are_found(stage: S
     sim, hw = recorded_during(stage, 6.0, lambda: replay(twin, played, lead_s=0.1))
     for live in (sim, hw):
         check_path(live, played)
-        assert live.recording.arms.angles[-1] == pytest.approx(played.path.arms[-1], abs=0.2)
+        assert live.arms.angles[-1] == pytest.approx(played.path.arms[-1], abs=0.2)
         assert live.clock_s == 0.0, "both run on this computer"
     assert (sim.slipped, hw.slipped) == (0, None)
 
-    before = compare(sim.recording, hw.recording)
+    before = compare(sim, hw)
     assert -0.1 < before.lag_s < PAUSE_S, "without the lead: delays of this computer"
     # A pause of the computer may leave a part without request and therefore without lead.
     leads = [part.lead_s for part in before.moved if part.lead_s is not None]
     assert leads == pytest.approx([0.1] * max(1, len(leads)))
-    off = hw.recording.angles + np.array([0, 1.5, 0, 0, 0, 0])
-    assert hw.recording.commanded is not None
-    late = dataclasses.replace(hw.recording, t=hw.recording.t + 0.2, angles=off)
-    after = compare(sim.recording, late)
+    off = hw.angles + np.array([0, 1.5, 0, 0, 0, 0])
+    assert hw.commanded is not None
+    late = dataclasses.replace(hw, t=hw.t + 0.2, angles=off)
+    after = compare(sim, late)
     assert after.lag_s - before.lag_s == pytest.approx(0.2, abs=0.005)
     assert after.axes[1].offset - before.axes[1].offset == pytest.approx(1.5, abs=0.05)
     assert after.axes[1].lag_s - before.axes[1].lag_s == pytest.approx(0.2, abs=0.005)

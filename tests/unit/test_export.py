@@ -12,7 +12,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.recording import rows
 from beatrix_zenoh.recording.export import Table, at, table
 from beatrix_zenoh.recording.samples import Floats, Note, Recorded, Samples
@@ -32,10 +31,6 @@ def samples(times_ns: list[int], arms: Floats | None = None, **changes: object) 
     unknown, velocity, none = np.full((n, 3), np.nan), np.full((n, 3), 4.0), np.zeros(n, np.int64)
     made = Samples(times, times - 7, angles, angles + 1, angles + 2, unknown, velocity, np.arange(n), none)
     return replace(made, **changes)  # type: ignore[arg-type]
-
-
-def recorded(robots: dict[Place, Samples]) -> Recorded:
-    return Recorded(robots, {})
 
 
 def grid(found: Table) -> dict[str, Floats]:
@@ -81,7 +76,7 @@ def test_a_head_that_turns_through_180_degrees_takes_the_short_way() -> None:
 def test_robots_stand_side_by_side_with_units_in_the_names() -> None:
     times = [5_000_000 + k * STEP_NS for k in range(11)]
     arms = np.outer(np.arange(11.0), (1, 2, 3))
-    found = grid(table([recorded({HW: samples(times, arms), SIM: samples(times, -arms)})]))
+    found = grid(table(Recorded({HW: samples(times, arms), SIM: samples(times, -arms)}, {})))
     assert list(found) == [
         "time_s", "unix_time_s",
         *(
@@ -109,19 +104,17 @@ def test_notes_are_in_the_first_row_after_them() -> None:
         40_000_001: "trial 3",
         10**10: "end",
     }
-    notes = [Note(BEGAN_NS + at_ns, "ana", text) for at_ns, text in texts.items()]
-    made = recorded({SIM: samples([k * STEP_NS for k in range(6)])})
-    first, second = replace(made, notes=tuple(notes[3:])), recorded({HW: samples([0])})
-    parts = [first, replace(second, notes=tuple(notes[:3]))]
-    assert [note for block in table(parts).grid() for note in block["note"]] == [
+    notes = tuple(Note(BEGAN_NS + at_ns, "ana", text) for at_ns, text in texts.items())
+    made = Recorded({SIM: samples([k * STEP_NS for k in range(6)]), HW: samples([0])}, {}, notes)
+    assert [note for block in table(made).grid() for note in block["note"]] == [
         "trial 1", None, "trial 2; again", "trial 3", None, "end"
     ]  # fmt: skip
-    (part,) = table(parts, 0.02, 0.06).grid()
+    (part,) = table(made, 0.02, 0.06).grid()
     assert part["note"] == [None, "trial 2; again", "trial 3"]
-    assert "note" not in next(table([made]).grid())
+    assert "note" not in next(table(replace(made, notes=())).grid())
 
 
 def test_a_note_is_no_formula_of_a_spreadsheet() -> None:
-    made = recorded({SIM: samples([0])})
-    (block,) = table([replace(made, notes=(Note(BEGAN_NS, "ana", "=1+1"),))]).grid()
+    made = Recorded({SIM: samples([0])}, {}, (Note(BEGAN_NS, "ana", "=1+1"),))
+    (block,) = table(made).grid()
     assert block["note"] == [" =1+1"]

@@ -15,18 +15,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
-from recording_views import tabs_of
 from written_recordings import BEGAN_NS, STEP_NS, write_lesson
 
 from beatrix_zenoh.body.figure import Figure
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.client.sound import Sound
 from beatrix_zenoh.recording.film import EMPTY, EYE, PANEL, Pixels, PoseRenderer
-from beatrix_zenoh.recording.rows import Frame, Numbers, RecordingRow, RobotSet, SoundRow, of_robot
+from beatrix_zenoh.recording.rows import Frame, Numbers, RecordingRow, SoundRow, of_robot
 from beatrix_zenoh.recording.rrd.read import read, read_sound
-from beatrix_zenoh.recording.rrd.scene import SOUND as TAB
-from beatrix_zenoh.recording.rrd.scene import TABS
-from beatrix_zenoh.recording.rrd.stream import RowStream
 from beatrix_zenoh.recording.sound import RecordedBlock, rows_of, write_wav
 
 SIM, HW = ("ada", "sim"), ("ada", "hw")
@@ -194,14 +190,3 @@ def test_export_writes_a_wav_file(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert (document["seconds"], document["lost_s"]) == (0.1, 0.02)
     expected = np.vstack([pcm(0), pcm(1), pcm(2), np.zeros_like(pcm(3)), pcm(4)])
     assert np.array_equal(read_wav(sound), expected)
-
-
-def test_a_recording_with_sound_has_a_tab_for_it(tmp_path: Path) -> None:
-    path = tmp_path / "lesson.rrd"
-    stream = RowStream("one", "lesson")
-    stream.to_file(path)
-    stream.show(RobotSet({SIM: Figure()}, with_sound=frozenset([SIM])))
-    stream.send(rows([0, 1]))
-    assert stream.flush(30.0)
-    stream.close()
-    assert list(tabs_of(path)) == [*TABS, TAB]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from beatrix_zenoh.colours import ALL, STYLES, hexadecimal, pale
+from beatrix_zenoh.colours import ALL, hexadecimal, pale
 from beatrix_zenoh.recording.compare import compare
 from beatrix_zenoh.recording.plot import twin_figure
 from beatrix_zenoh.recording.series import AXES, Recording
@@ -23,21 +23,12 @@ def test_two_recordings_are_drawn(tmp_path: Path) -> None:
     for panel, part in ((arms, slice(0, 3)), (head, slice(3, 6))):
         hw, sim = panel.get_lines()[:3], panel.get_lines()[3:]
         assert np.array([line.get_ydata() for line in sim]) == pytest.approx(found.first[:, part].T)
-        assert np.array([line.get_ydata() for line in hw]) == pytest.approx(found.first[:, part].T + 0.1)
-        assert [line.get_color() for line in hw] == [hexadecimal(ALL[axis]) for axis in AXES[part]]
         assert [line.get_color() for line in sim] == [hexadecimal(pale(ALL[axis])) for axis in AXES[part]]
-        assert {line.get_alpha() for line in (*hw, *sim)} == {None}, "as in the viewer"
-        assert [line.get_label() for line in hw] == list(AXES[part])
-        assert min(line.get_linewidth() for line in hw) > 2 * max(line.get_linewidth() for line in sim)
+        assert [(line.get_label(), line.get_color()) for line in hw] == [
+            (axis, hexadecimal(ALL[axis])) for axis in AXES[part]
+        ]
     apart_deg = np.array([line.get_ydata() for line in apart.get_lines()])[:, found.compared]
-    assert apart_deg == pytest.approx(0.1, abs=1e-4)
-    assert len(apart.get_lines()) == 6
-    assert arms.get_title(loc="left") == STYLES
-    assert [panel.get_ylabel() for panel in figure.axes] == [
-        "arms (°)",
-        "head (°)",
-        "hardware - simulation (°)",
-    ]
+    assert apart_deg == pytest.approx(np.full((6, apart_deg.shape[1]), 0.1), abs=1e-4)
     figure.savefig(tmp_path / "twin.png", dpi=50)
     with Image.open(tmp_path / "twin.png") as picture:
         assert np.asarray(picture.convert("L")).std() > 10

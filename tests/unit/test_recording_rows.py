@@ -25,7 +25,6 @@ from beatrix_zenoh.contract._generated.messages import (
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.recording.rows import (
     GRID_NS,
-    WAITING,
     Bar,
     BarState,
     Difference,
@@ -75,22 +74,6 @@ def test_rows_of_arms_and_head_are_in_degrees(rows_of_robot: RobotRows) -> None:
     assert rows["bea/hw/head"].values == pytest.approx((30.0, 0.0, 0.0))
     assert rows["bea/hw/seq"].values == (9.0,)
     assert {(row.time_ns, row.robot_ns) for row in rows.values()} == {(NOW_NS, NOW_NS - 5)}
-
-
-def test_repeats_get_a_row_unless_they_are_0_again(rows_of_robot: RobotRows) -> None:
-    """The first sample of each file has one, so that a reader knows that repeats are recorded."""
-    written: list[float | None] = []
-    for seq, repeats in enumerate((0, 0, 3, 3, 0, 0)):
-        sample = msgspec.structs.replace(positions(0.0), seq=seq, t_mono_ns=seq)
-        for _ in range(repeats):
-            assert rows_of_robot.repeats(sample, stale=True)
-        rows = {row.path: row for row in rows_of_robot.positions(sample, seq) if isinstance(row, Numbers)}
-        row = rows.get("bea/hw/repeats")
-        written.append(None if row is None else row.values[0])
-    assert written == [0.0, None, 3.0, 3.0, 0.0, None]
-    rows_of_robot.begin_again()
-    again = rows_of_robot.positions(positions(0.0), NOW_NS)
-    assert "bea/hw/repeats" in {row.path for row in again}
 
 
 @pytest.mark.parametrize(
@@ -150,15 +133,6 @@ def test_each_event_is_converted_to_one_line(
 
 MS = 1_000_000
 BEA = ("bea", "sim")
-
-
-def test_the_number_of_waiting_samples_is_bounded() -> None:
-    difference = Difference()
-    for index in range(10 * WAITING):
-        assert not list(difference.add("sim", index * GRID_NS, (0.0,)))
-    found = list(difference.add("hw", 10 * WAITING * GRID_NS, (1.0,)))
-    found += difference.add("sim", 10 * WAITING * GRID_NS, (0.0,))
-    assert [apart.angles for apart in found] == [(1.0,)]
 
 
 @given(st.lists(st.tuples(st.sampled_from(("sim", "hw")), st.integers(0, 300)), max_size=60))

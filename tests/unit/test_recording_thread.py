@@ -16,7 +16,6 @@ from statuses import AT_HOME, READY
 from beatrix_zenoh.client.robot_base import Offset
 from beatrix_zenoh.client.subscription import Arrival
 from beatrix_zenoh.contract._generated.messages import Positions, Status
-from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract.codec import decode_json
 from beatrix_zenoh.recording.losses import POSITIONS, Stream, total
 from beatrix_zenoh.recording.recorder import Recorder
@@ -93,7 +92,8 @@ class Rig:
             cast("Any", inbox) for inbox in (self.subscriptions, self.queries, self.notes)
         )
         about = About(7, title="lesson")
-        self.thread = Recorder(subscriptions, queries, [self.output], self.messages.append, 0.0, about, notes)
+        outputs = cast("Any", [self.output])
+        self.thread = Recorder(subscriptions, queries, outputs, self.messages.append, 0.0, about, notes)
 
     def publish(self, value: Positions | Status) -> None:
         """Deliver a publication now."""
@@ -103,7 +103,7 @@ class Rig:
     def answer(self, offset_ns: int | None) -> None:
         """Deliver an answer with this clock offset; None stands for an answer without an offset."""
         offset = None if offset_ns is None else Offset(offset_ns / 1e9, 1e-4)
-        self.queries.waiting = [RobotAnswer(BEA, offset, ROBOT.geometry)]
+        self.queries.waiting = [RobotAnswer(BEA, offset)]
 
     def rows_of(self, what: str) -> list[tuple[float, ...]]:
         """Return the values of an entity of the robot."""

@@ -98,7 +98,7 @@ def rows(
             there, flat = lengths > 0, column.flatten()
             fits = flat.null_count == 0 and np.all(lengths[there] == width)
             if not fits or not str(flat.type).startswith(TYPES[component]):
-                raise foreign(path, chunk.entity_path)
+                raise foreign(str(path), chunk.entity_path)
             values = flat.to_numpy(zero_copy_only=False)
             if component == BLOB:
                 values = np.array([each.tobytes() for each in values], np.object_)
@@ -132,11 +132,11 @@ def _chunks(path: Path, entities: Sequence[str]) -> Iterator[tuple[int, Chunk]]:
         ) from error
 
 
-def foreign(path: Path, entity: str) -> Refused:
+def foreign(files: str, entity: str) -> Refused:
     """Return the error for rows that `beatrix record` does not write."""
     return Refused(
         Reason.BAD_VALUE,
-        f"{path}: the rows of {entity} are not as `beatrix record` of this version writes them. Use the original file of the "
+        f"{files}: the rows of {entity} are not as `beatrix record` of this version writes them. Use the original file of the "
         "recorder, or update BEATRIX if a newer version recorded it.",
     )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Final, TypeVar
 
@@ -42,10 +42,7 @@ from beatrix_zenoh.recording.samples import (
     Note,
     Recorded,
     Samples,
-    Span,
     TimedEvent,
-    check_parts,
-    union,
 )
 from beatrix_zenoh.recording.sound import RecordedBlock
 
@@ -59,17 +56,22 @@ OF_ROBOT: Final[Mapping[str, Components]] = {
 OTHERS: Final[Mapping[str, Components]] = {ABOUT_ENTITY: {ABOUT: 1}, f"/{NOTES}": {EVENT: 1}}
 SOUND: Final = (PCM, RATE, NUMBER)
 SoundBlocks = dict[Place, list[RecordedBlock]]
+Span = tuple[int, int]
+"""First and last time (ns since 1970)."""
 M = TypeVar("M", bound=msgspec.Struct)
 
 
-def read(path: Path) -> Recorded:
+def read(*paths: Path) -> Recorded:
     """Read a recording, even if its recorder was killed, or Rerun's own program has split, filtered or merged it.
+
+    Several paths are the files of one recording (`beatrix record --rotate`), in any order.
 
     Raises:
         WrongUsage: there is no such file.
-        Refused: BAD_VALUE, the file is damaged or not one recording of BEATRIX.
+        Refused: BAD_VALUE, a file is damaged, or the files are not one recording of BEATRIX.
     """
-    columns = _columns(path)
+    files = ", ".join(map(str, paths))
+    columns = _columns(paths)
     robots: dict[Place, Samples] = {}
     for name, side, what in [_parts(entity) for entity, _ in columns]:
         if side in SIDES and what == "arms":
@@ -79,21 +81,21 @@ def read(path: Path) -> Recorded:
     if not robots:
         raise Refused(
             Reason.BAD_VALUE,
-            f"{path} contains no positions of a robot on the timeline `{TIME}`. `beatrix record` writes recordings; if "
+            f"{files} contains no positions of a robot on the timeline `{TIME}`. `beatrix record` writes recordings; if "
             "another program has changed one, use the original file.",
         )
     return Recorded(
         dict(sorted(robots.items())),
-        {place: _events(path, columns, "/{}/{}/events".format(*place)) for place in robots},
-        tuple(note for _, note in _decoded(path, columns, f"/{NOTES}", EVENT, Note)),
-        _about(path, columns),
+        {place: _events(files, columns, "/{}/{}/events".format(*place)) for place in robots},
+        tuple(note for _, note in _decoded(files, columns, f"/{NOTES}", EVENT, Note)),
+        _about(files, columns),
     )
 
 
 def read_about(path: Path) -> About | None:
     """Return what a recording says of itself, without reading its data; raises the errors of `read`."""
     parts = rows(path, _components, [ABOUT_ENTITY])
-    return _about(path, joined((key, column) for _, key, column in parts))
+    return _about(str(path), joined((key, column) for _, key, column in parts))
 
 
 def _components(entity: str) -> Components:
@@ -102,18 +104,53 @@ def _components(entity: str) -> Components:
     return OTHERS.get(entity) or (OF_ROBOT.get(what, {}) if side in SIDES else {})
 
 
-def _columns(path: Path) -> Columns:
-    """Return all columns of a file; raises the errors of `read`."""
+def _columns(paths: Sequence[Path]) -> Columns:
+    """Return all columns of the files of one recording; raises the errors of `read`."""
     found = []
-    spans: dict[int, dict[Place, Span]] = defaultdict(dict)
-    for number, key, column in rows(path, _components):
-        found.append((key, column))
-        name, side, what = _parts(key[0])
-        if side in SIDES and what == "arms":
-            span = int(column.time_ns.min()), int(column.time_ns.max())
-            spans[number][name, side] = union([span, spans[number].get((name, side), span)])
-    check_parts(spans.values(), f"Two of the recordings in {path}", "Use the files that were merged into it.")
+    parts: dict[tuple[int, int], dict[Place, Span]] = defaultdict(dict)
+    for file, path in enumerate(paths):
+        for number, key, column in rows(path, _components):
+            found.append((key, column))
+            name, side, what = _parts(key[0])
+            if side in SIDES and what == "arms":
+                part = parts[file, number]
+                span = int(column.time_ns.min()), int(column.time_ns.max())
+                part[name, side] = _union([span, part.get((name, side), span)])
+    _check_parts(parts.values(), ", ".join(map(str, paths)))
     return joined(found)
+
+
+APART_NS: Final = 3_600_000_000_000
+"""Parts further apart than this are not of one recording: a table would have 180 000 empty rows for each hour."""
+OVERLAP_NS: Final = 1_000_000_000
+"""Parts of one recording may overlap by samples that arrived late; more than this is another recording."""
+
+
+def _check_parts(parts: Iterable[Mapping[Place, Span]], files: str) -> None:
+    """Raise Refused if two parts contain the same time of a robot, or are far apart: they are not of one recording."""
+    ends: dict[Place, int] = {}
+    for part in sorted(parts, key=lambda part: _union(part.values())):
+        first_ns, _ = _union(part.values())
+        apart_ns = first_ns - max(ends.values(), default=first_ns)
+        shared = [place for place, span in part.items() if ends.get(place, 0) - span[0] > OVERLAP_NS]
+        if shared or apart_ns > APART_NS:
+            how = (
+                "contain the same time of {} ({})".format(*shared[0])
+                if shared
+                else f"are {apart_ns / 3.6e12:.1f} h apart"
+            )
+            raise Refused(
+                Reason.BAD_VALUE,
+                f"{files}: two of the recordings there {how}, so they are not parts of one recording (`beatrix record --rotate`). "
+                "Read them one by one; of a merged file, use the files that were merged.",
+            )
+        ends |= {place: max(ends.get(place, 0), last_ns) for place, (_, last_ns) in part.items()}
+
+
+def _union(spans: Iterable[Span]) -> Span:
+    """Return the span that contains these."""
+    firsts, lasts = zip(*spans, strict=True)
+    return min(firsts), max(lasts)
 
 
 def _samples(columns: Columns, root: str) -> Samples:
@@ -148,17 +185,17 @@ def _at(column: Column | None, times_ns: Nanoseconds, width: int) -> Floats:
     return values
 
 
-def _events(path: Path, columns: Columns, entity: str) -> tuple[TimedEvent, ...]:
-    return tuple(TimedEvent(*row) for row in _decoded(path, columns, entity, EVENT, Event))
+def _events(files: str, columns: Columns, entity: str) -> tuple[TimedEvent, ...]:
+    return tuple(TimedEvent(*row) for row in _decoded(files, columns, entity, EVENT, Event))
 
 
-def _about(path: Path, columns: Columns) -> About | None:
+def _about(files: str, columns: Columns) -> About | None:
     """Return the newest description: Rerun keeps the last."""
-    found = _decoded(path, columns, ABOUT_ENTITY, ABOUT, About)
+    found = _decoded(files, columns, ABOUT_ENTITY, ABOUT, About)
     return found[-1][1] if found else None
 
 
-def _decoded(path: Path, columns: Columns, entity: str, component: str, kind: type[M]) -> list[tuple[int, M]]:
+def _decoded(files: str, columns: Columns, entity: str, component: str, kind: type[M]) -> list[tuple[int, M]]:
     """Return times and values of a column of JSON texts; raises Refused if one cannot be read."""
     column = columns.get((entity, component))
     if column is None:
@@ -170,7 +207,7 @@ def _decoded(path: Path, columns: Columns, entity: str, component: str, kind: ty
             if text
         ]
     except BeatrixError as error:
-        raise foreign(path, entity) from error
+        raise foreign(files, entity) from error
 
 
 def _parts(entity: str) -> tuple[str, str, str]:

@@ -68,7 +68,6 @@ def of_place(place: Place, figure: Figure) -> Iterator[Item]:
         of_robot(place, "microphones", "level"),
         rr.SeriesLines(names=list(levels), colors=list(levels.values()), widths=LEVEL_WIDTHS),
     )
-    yield of_robot(place, "clock"), rr.SeriesLines(names=["clock offset (s)", "its largest error (s)"])
     yield (
         of_robot(place, "state"),
         rr.StateConfiguration(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -20,7 +21,7 @@ from beatrix_zenoh.terminal.targets import Selection, open_targets
 if TYPE_CHECKING:  # importing numpy would delay `beatrix --help` by 0.1 s
     from beatrix_zenoh.recording.compare import Comparison
     from beatrix_zenoh.recording.samples import Recorded
-    from beatrix_zenoh.recording.series import LiveRecording
+    from beatrix_zenoh.recording.series import Recording
 
 LIVE = "live"
 Seconds = Annotated[
@@ -85,27 +86,27 @@ def compare(
     sim, hw = live(Selection(name, connect, who), seconds) if source == LIVE else recorded(Path(source), name)
     found = compared(source, sim, hw)
     if png is not None:
-        draw(png, found, f"{sim.robot}: simulation and hardware")
-    exceeded = thresholds.exceeded(found, sim.slipped)
+        draw(png, found, f"{sim.place[0]}: simulation and hardware")
+    exceeded = thresholds.exceeded(found)
     if as_json:
-        print_json(as_document(found, sim, hw, exceeded))
+        print_json(as_document(found, exceeded))
     else:
-        say(text(found, sim, hw, exceeded))
+        say(text(found, exceeded))
     if exceeded:
         raise typer.Exit(FAILED)
 
 
-def compared(source: str, sim: LiveRecording, hw: LiveRecording) -> Comparison:
+def compared(source: str, sim: Recording, hw: Recording) -> Comparison:
     """Compare both robots; raises Refused if their recordings have too little time in common."""
     from beatrix_zenoh.recording.compare import compare
 
     try:
-        return compare(sim.recording, hw.recording)
+        return compare(sim, hw)
     except ValueError as error:
         raise Refused(Reason.BAD_VALUE, f"{source}: {error}. Record or measure for longer.") from error
 
 
-def live(selection: Selection, seconds: float) -> tuple[LiveRecording, LiveRecording]:
+def live(selection: Selection, seconds: float) -> tuple[Recording, Recording]:
     """Measure both robots of a name; raises NoAnswer if one is not online."""
     from beatrix_zenoh.recording.series import record_robots
 
@@ -117,9 +118,9 @@ def live(selection: Selection, seconds: float) -> tuple[LiveRecording, LiveRecor
     return sim, hw
 
 
-def recorded(path: Path, name: str | None) -> tuple[LiveRecording, LiveRecording]:
+def recorded(path: Path, name: str | None) -> tuple[Recording, Recording]:
     """Return both robots of a name from a recording; raises Refused if the recording lacks either."""
-    from beatrix_zenoh.recording.series import LiveRecording, of_samples
+    from beatrix_zenoh.recording.series import of_samples
 
     found = read_recording(path)
     if found.about is not None:
@@ -131,12 +132,9 @@ def recorded(path: Path, name: str | None) -> tuple[LiveRecording, LiveRecording
     chosen = only_robot(path, [robot for robot in both if name in (None, robot)], found)
     begin_ns = int(found.robots[chosen, "sim"].time_ns[0])
     sim, hw = (
-        LiveRecording(
-            chosen,
-            side,
+        replace(
             of_samples(found.robots[chosen, side], begin_ns, found.events.get((chosen, side), ())),
-            0.0,
-            None,
+            place=(chosen, side),
         )
         for side in SIDES
     )

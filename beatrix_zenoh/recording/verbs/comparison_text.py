@@ -8,10 +8,9 @@ from collections.abc import Mapping, Sequence
 import msgspec
 
 from beatrix_zenoh.output import columns
-from beatrix_zenoh.recording.arm_causes import count
+from beatrix_zenoh.recording.causes import count, findings
 from beatrix_zenoh.recording.compare import MOST, AxisDifference, Comparison, why_no_lag
-from beatrix_zenoh.recording.diagnosis import findings
-from beatrix_zenoh.recording.series import HOLE_S, LiveRecording
+from beatrix_zenoh.recording.series import HOLE_S, regularity
 
 AXIS_HEADS = (
     "hardware - simulation",
@@ -41,19 +40,19 @@ UNCERTAIN_S = 0.001
 """Smallest uncertainty of the clock offset (s) that the text states."""
 
 
-def text(found: Comparison, sim: LiveRecording, hw: LiveRecording, exceeded: Sequence[str]) -> str:
+def text(found: Comparison, exceeded: Sequence[str]) -> str:
     """Return tables, sentences about leads, lags, causes, gaps and clocks, and one for each threshold exceeded."""
     return "\n".join([
         axes_table(found.axes),
         AFTER,
         "",
-        columns(SAMPLE_HEADS, [sample_row(found, 0, sim), sample_row(found, 1, hw)]),
+        columns(SAMPLE_HEADS, [sample_row(found, 0), sample_row(found, 1)]),
         "",
         compared_sentence(found),
         *lead_sentences(found),
         lag_sentence(found),
         *(finding.sentence for finding in findings(found)),
-        *clock_sentences(sim, hw),
+        *clock_sentences(found),
         *exceeded,
     ])  # fmt: skip
 
@@ -77,11 +76,12 @@ def number(value: float, digits: int) -> str:
     return "-" if math.isnan(value) else f"{value:z.{digits}f}"
 
 
-def sample_row(found: Comparison, index: int, live: LiveRecording) -> tuple[str, ...]:
+def sample_row(found: Comparison, index: int) -> tuple[str, ...]:
     """Return the row of one robot in the table of samples."""
-    regular = found.regularity[index]
+    recorded = found.robots[index]
+    regular = regularity(recorded)
     return (
-        f"{live.robot} ({live.side})",
+        "{} ({})".format(*recorded.place),
         str(regular.samples),
         "-" if regular.lost is None else str(regular.lost),
         f"{regular.period_ms:.1f}",
@@ -89,7 +89,7 @@ def sample_row(found: Comparison, index: int, live: LiveRecording) -> tuple[str,
         str(regular.gaps),
         f"{regular.longest_ms:.1f}",
         number(found.off_set_points[index], 2),
-        "-" if live.slipped is None else str(live.slipped),
+        "-" if recorded.slipped is None else str(recorded.slipped),
     )
 
 
@@ -137,13 +137,13 @@ def compared_sentence(found: Comparison) -> str:
     """Return a sentence with the compared part of the shared time."""
     sentence = f"{found.compared_s:.1f} s of {found.shared_s:.1f} s were compared"
     if found.shared_s - found.seconds >= HOLE_S:
-        sentence += f", in the longest part ({found.seconds:.1f} s) in which both robots published without a gap of more than {HOLE_S:g} s"
+        sentence += f", in the longest part ({found.seconds:.1f} s) without a gap of more than {HOLE_S:g} s, or another home (CALIBRATE)"
     return f"{sentence}."
 
 
-def clock_sentences(sim: LiveRecording, hw: LiveRecording) -> list[str]:
+def clock_sentences(found: Comparison) -> list[str]:
     """Return a sentence with the uncertainty of the clock offset; no sentence if it is below UNCERTAIN_S."""
-    bound_s = sim.clock_s + hw.clock_s
+    bound_s = sum(recorded.clock_s for recorded in found.robots)
     if bound_s < UNCERTAIN_S:
         return []
     return [
@@ -151,9 +151,7 @@ def clock_sentences(sim: LiveRecording, hw: LiveRecording) -> list[str]:
     ]
 
 
-def as_document(
-    found: Comparison, sim: LiveRecording, hw: LiveRecording, exceeded: Sequence[str]
-) -> Mapping[str, object]:
+def as_document(found: Comparison, exceeded: Sequence[str]) -> Mapping[str, object]:
     """Return a comparison for JSON output; keys of quantities end with the unit.
 
     Axes are in deg, but their lags in s. NaN, which is null in JSON, means not measured.
@@ -162,12 +160,12 @@ def as_document(
         "result": not exceeded,
         "message": lag_sentence(found),
         "exceeded": list(exceeded),
-        "robot": sim.robot,
+        "robot": found.robots[0].place[0],
         "moved": found.anything_moved,
         "lag_s": found.lag_s,
         "compared_s": found.compared_s,
         "shared_s": found.shared_s,
-        "clocks_known_to_s": sim.clock_s + hw.clock_s,
+        "clocks_known_to_s": sum(recorded.clock_s for recorded in found.robots),
         "motions": msgspec.to_builtins(found.moved),
         "leads": lead_sentences(found),
         "findings": [
@@ -176,11 +174,11 @@ def as_document(
         "axes_deg": msgspec.to_builtins(found.axes),
         "robots": [
             {
-                "side": live.side,
-                **msgspec.to_builtins(found.regularity[index]),
-                "off_set_points_deg": found.off_set_points[index],
-                "missed_steps": live.slipped,
+                "side": recorded.place[1],
+                **msgspec.to_builtins(regularity(recorded)),
+                "off_set_points_deg": off_deg,
+                "missed_steps": recorded.slipped,
             }
-            for index, live in enumerate((sim, hw))
+            for recorded, off_deg in zip(found.robots, found.off_set_points, strict=True)
         ],
     }

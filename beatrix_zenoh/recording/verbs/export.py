@@ -15,14 +15,14 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import SIDE_TITLES, SIDES
 from beatrix_zenoh.files import check_new, new_file
 from beatrix_zenoh.output import print_json, progress_bar, say
-from beatrix_zenoh.recording.verbs.files import RECORDING, read_recording
+from beatrix_zenoh.recording.verbs.files import RECORDING, only, read_recording
 from beatrix_zenoh.shutdown import signals_interrupt
 from beatrix_zenoh.terminal.options import Json, Names, Which, finite
 
 if TYPE_CHECKING:  # importing numpy and rerun would delay every verb
     from beatrix_zenoh.recording.export import Table
     from beatrix_zenoh.recording.film import FilmFrame
-    from beatrix_zenoh.recording.samples import EyePicture, EyePictures
+    from beatrix_zenoh.recording.samples import EyePicture
     from beatrix_zenoh.recording.sound import WrittenSound
 
 WAV = ".wav"
@@ -45,9 +45,6 @@ Files = Annotated[
         metavar="RECORDING.rrd... [FILE]",
         help="The recording, all its files if it was rotated, then the table: .csv or .parquet.",
     ),
-]
-Samples = Annotated[
-    bool, typer.Option("--samples", help="Every sample as published, instead of a row every 20 ms.")
 ]
 From = Annotated[
     float,
@@ -76,7 +73,6 @@ On = Annotated[
 
 def export(
     files: Files,
-    samples: Samples = False,
     begin: From = 0.0,
     end: To = None,
     name: Names = None,
@@ -94,8 +90,6 @@ def export(
     """
     check_options(video, sound, eye, on)
     recordings, out = sources_and_table(files, alone=video is not None or sound is not None)
-    if samples and out is None:
-        raise typer.BadParameter("--samples needs a table: name a .csv or .parquet file, too.")
     if end is not None and finite(end) < begin:
         raise typer.BadParameter(f"--to {end:g} is before --from {begin:g}: give a later end.")
     for path in filter(None, (out, video, sound)):
@@ -105,7 +99,7 @@ def export(
     lines = []
     with signals_interrupt():  # so that SIGTERM deletes an incomplete file, as Ctrl-C does
         if out is not None:
-            rows = written(out, found, samples=samples)
+            rows = written(out, found)
             document |= {"file": str(out), "rows": rows}
             lines.append(f"{out}: {rows} rows of {', '.join(robots_of(found))}.")
         if video is not None:
@@ -147,12 +141,10 @@ def opened(recordings: Sequence[Path], begin: float, end: float | None, names: S
     """Read the files of a recording; raises Refused if one cannot be read, or if Rerun is not installed."""
     from beatrix_zenoh.recording.export import table
 
-    return table(
-        [read_recording(path) for path in recordings], begin, math.inf if end is None else end, names
-    )
+    return table(read_recording(*recordings), begin, math.inf if end is None else end, names)
 
 
-def written(path: Path, found: Table, *, samples: bool) -> int:
+def written(path: Path, found: Table) -> int:
     """Write the table, completely or not at all, and return the number of rows.
 
     Raises:
@@ -161,7 +153,7 @@ def written(path: Path, found: Table, *, samples: bool) -> int:
     from beatrix_zenoh.recording.export import write_table
 
     with new_file(path) as unfinished:
-        rows = write_table(unfinished, found.samples() if samples else found.grid())
+        rows = write_table(unfinished, found.grid())
         if not rows:
             raise Refused(
                 Reason.BAD_VALUE,
@@ -222,7 +214,8 @@ def written_film(
         without = "" if any(robot == name for robot, _, _ in eyes) else NO_PICTURES
         shows, frames = f"{name}, {' and '.join(sides)}{without}", side_by_side(table, name, eyes)
     else:
-        side = side_of_eye(eyes, name, eye, on)
+        seen = [(robot, side) for robot, side, of in eyes if of == eye]
+        _, side = only(seen, name, on, f"pictures of the {eye} eye (`record --cameras 5`) of")
         pictures = eyes[name, side, eye]
         shows, frames = f"the {eye} eye of {name} ({side})", eye_frames(pictures)
     with new_file(path) as unfinished:
@@ -241,25 +234,6 @@ def only_name(table: Table) -> str:
             f"The recording contains {', '.join(names)}: choose the robot of the film with --name.",
         )
     return names[0]
-
-
-def side_of_eye(eyes: EyePictures, name: str, eye: EyeName, on: Which | None) -> str:
-    """Return the side that has pictures of an eye; raises Refused unless there is exactly one."""
-    sides = [
-        side for robot, side, of in eyes if (robot, of) == (name, eye) and on in (None, Which.BOTH, side)
-    ]
-    if len(sides) > 1:
-        raise Refused(
-            Reason.BAD_VALUE, f"Both robots have pictures of the {eye} eye: choose --on sim or --on hw."
-        )
-    if not sides:
-        held = ", ".join(f"{of} ({robot}, {side})" for robot, side, of in sorted(eyes)) or "none"
-        raise Refused(
-            Reason.BAD_VALUE,
-            f"This part of the recording has no such pictures of the {eye} eye; it has pictures of: {held}. "
-            "Choose another eye, robot or part; `beatrix record --cameras 5` records pictures.",
-        )
-    return sides[0]
 
 
 def watched(frames: Iterable[FilmFrame], table: Table) -> Iterator[FilmFrame]:
@@ -281,19 +255,7 @@ def write_sound(path: Path, recordings: Sequence[Path], table: Table, on: Which 
     from beatrix_zenoh.recording.rrd.read import read_sound
     from beatrix_zenoh.recording.sound import write_wav
 
-    robots = [(name, side) for name, side in table.robots if on in (None, Which.BOTH, side)]
-    heard = read_sound(recordings, robots, table.first_ns, table.last_ns)
-    if not heard:
-        raise Refused(
-            Reason.BAD_VALUE,
-            "This part of the recording has no such sound. `beatrix record --sound` records the microphones.",
-        )
-    if len(heard) > 1:
-        found = ", ".join(f"{name} ({side})" for name, side in sorted(heard))
-        raise Refused(
-            Reason.BAD_VALUE,
-            f"The recording has the sound of {found}: choose one with --name, and --on sim or --on hw.",
-        )
-    ((_, blocks),) = heard.items()
+    heard = read_sound(recordings, list(table.robots), table.first_ns, table.last_ns)
+    place = only(heard, None, on, "the sound (`record --sound`) of")
     with new_file(path) as unfinished:
-        return write_wav(unfinished, blocks)
+        return write_wav(unfinished, heard[place])

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.output import note, print_json, say, typed
@@ -19,18 +21,39 @@ DAMAGED = ".damaged"
 EMPTY = "it contains no positions of a robot. The file is unchanged: record again."
 
 
-def read_recording(path: Path) -> Recorded:
-    """Read a recording; raises Refused if it cannot be read, or if Rerun is not installed."""
+def read_recording(*paths: Path) -> Recorded:
+    """Read the files of a recording; raises Refused if one cannot be read, or if Rerun is not installed."""
     try:
         from beatrix_zenoh.recording.rrd.read import read
     except ModuleNotFoundError as error:
         raise Refused(
             Reason.BAD_VALUE,
-            f'{path}: reading a recording needs {error.name}. Run `pip install ".[rerun]"` in the folder of BEATRIX.',
+            f'Reading a recording needs {error.name}. Run `pip install ".[rerun]"` in the folder of BEATRIX.',
         ) from error
-    found = read(path)
-    note_if_incomplete(path)
+    found = read(*paths)
+    for path in paths:
+        note_if_incomplete(path)
     return found
+
+
+def only(candidates: Iterable[Place], name: str | None, side: str | None, what: str) -> Place:
+    """Return the only robot of this name and side; None: any. Raises Refused unless there is exactly one.
+
+    Args:
+        candidates: name and side of the robots that have what is asked for.
+        name: of the robot.
+        side: `sim`, `hw` or `both`, which chooses none.
+        what: of what there has to be one, as in: "the sound of"
+    """
+    held = sorted(candidates)
+    chosen = [place for place in held if name in (None, place[0]) and side in (None, "both", place[1])]
+    if len(chosen) == 1:
+        return chosen[0]
+    listed = ", ".join(f"{robot} ({side})" for robot, side in held) or "no robot"
+    raise Refused(
+        Reason.BAD_VALUE,
+        f"This part of the recording has {what} {listed}: choose one of them with --name, and --on sim or --on hw.",
+    )
 
 
 def describe(path: Path) -> None:

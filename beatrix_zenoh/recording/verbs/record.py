@@ -15,7 +15,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.files import check_new
 from beatrix_zenoh.output import FAILED, exit_code, note, print_json, say, typed
-from beatrix_zenoh.recording.losses import CONTESTED, PICTURES, SOUND, Count, Stream, findings, total
+from beatrix_zenoh.recording.losses import Count, Stream, findings, total
 from beatrix_zenoh.recording.verbs.files import RECORDING, repair_recording
 from beatrix_zenoh.recording.verbs.view import leave, open_viewer
 from beatrix_zenoh.recording.viewer import PORT, program
@@ -25,9 +25,8 @@ from beatrix_zenoh.terminal.options import Cameras, Connect, Json, Names, On, Vi
 from beatrix_zenoh.terminal.targets import Selection, open_targets
 
 if TYPE_CHECKING:  # importing numpy and rerun would delay every verb
-    from beatrix_zenoh.recording.outputs import FileOutput
+    from beatrix_zenoh.recording.outputs import FileOutput, Output
     from beatrix_zenoh.recording.recorder import Recorder, RecordingOptions
-    from beatrix_zenoh.recording.rows import Output
     from beatrix_zenoh.recording.viewer import Viewer
 
 MOTION_FILE = ".csv"
@@ -267,9 +266,8 @@ def summarise(recorder: Recorder, output: FileOutput, lasted_s: float, *, as_jso
         })  # fmt: skip
     elif robots:
         files = ", ".join(map(str, output.files))
-        for (_, cause), text in findings(counts).items():
-            if cause != CONTESTED:  # the line below says it
-                note(text)
+        for text in findings(counts).values():
+            note(text)
         say(
             f"{files}: {lasted_s:.1f} s of {', '.join(robots)}, {recorder.samples} positions, {missing(counts)}, "
             f"{output.bytes / 1e6:.1f} MB. To view it: {typed('beatrix', 'view', output.files[-1])}"
@@ -288,20 +286,10 @@ def outcome(one: Count) -> dict[str, int | None]:
 
 
 def missing(counts: Mapping[Stream, Count]) -> str:
-    """Return how many publications the recording lacks, in words; pictures apart, because they are often left out."""
-    pictures = total({stream: one for stream, one in counts.items() if stream[1].startswith(PICTURES)})
-    sounds = total({stream: one for stream, one in counts.items() if stream[1] == SOUND})
-    others = total(
-        {stream: one for stream, one in counts.items() if not stream[1].startswith((PICTURES, SOUND))}
-    )
-    words = {
-        "lost on the network": others.lost,
-        "dropped": others.unwritten,
-        "pictures lost": pictures.lost + pictures.unwritten,
-        "blocks of sound lost": sounds.lost + sounds.unwritten,
-    }
+    """Return how many publications the recording lacks, in words."""
+    whole = total(counts)
+    words = {"lost on the network": whole.lost, "dropped": whole.unwritten}
     known = [f"{number} {what}" for what, number in words.items() if number]
-    contested = sorted({f"{name} ({side})" for ((name, side), _), one in counts.items() if one.contested})
-    if contested:
-        known.append(f"losses unknown, because two programs publish the positions of {', '.join(contested)}")
+    if whole.contested:
+        known.append("losses unknown, because two programs publish")
     return ", ".join(known) or "nothing dropped"
