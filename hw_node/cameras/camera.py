@@ -49,7 +49,7 @@ class CameraChoice:
 
     eye: str
     source: str
-    """`pattern`, `file:PATH`, or a USB camera: its path on Linux, elsewhere its number"""
+    """`pattern`, `file:PATH`, or a USB camera: its path (Linux) or its number"""
 
     def build(self) -> FrameSource:
         """Create the source without opening it."""
@@ -57,14 +57,9 @@ class CameraChoice:
             return Pattern(self.eye)
         if self.source.startswith(FILE):
             return PictureFiles(Path(self.source.removeprefix(FILE)))
-        # Each library is an extra for one operating system, so only the one that is needed is imported.
-        if on_linux():
-            from hw_node.cameras import v4l2  # noqa: PLC0415
+        from hw_node.cameras import opencv  # noqa: PLC0415 - its library is an extra
 
-            return v4l2.V4l2Camera(Path(self.source))
-        from hw_node.cameras import opencv  # noqa: PLC0415
-
-        return opencv.OpenCvCamera(int(self.source), opencv.library())
+        return opencv.OpenCvCamera(self.source, opencv.library())
 
     def sensor(self, node: Node) -> CameraSensor:
         """Create the sensor of this eye."""
@@ -75,20 +70,19 @@ class CameraChoice:
         """The USB camera, however its path or number is written; None: it is no USB camera."""
         if self.source == PATTERN or self.source.startswith(FILE):
             return None
-        return Path(self.source).resolve() if on_linux() else int(self.source)
+        return int(self.source) if self.source.isdigit() else Path(self.source).resolve()
 
     def mistake(self) -> str:
         """Return why the source can never work, else an empty text; a missing camera may be plugged in later."""
         source = self.source
         if source == PATTERN or source.startswith(FILE):
             return self.build().trouble().rstrip(".")
-        if on_linux() and not source.startswith("/"):
-            return f"{quoted(source)} is not a path that begins with /. Choose {examples()}"
-        if not on_linux() and not (source.isascii() and source.isdigit()):
-            return f"{quoted(source)} is not a number, and USB cameras have numbers on this system. Choose {examples()}"
-        module, package = ("linuxpy", "linuxpy") if on_linux() else ("cv2", "opencv-python-headless")
-        if importlib.util.find_spec(module) is None:
-            return f'USB cameras need {package}: pip install ".[cameras]" in the folder of BEATRIX'
+        if not source.startswith("/") and not (source.isascii() and source.isdigit()):
+            return f"{quoted(source)} is neither a path that begins with / nor a number. Choose {examples()}"
+        if importlib.util.find_spec("cv2") is None:
+            return (
+                'USB cameras need opencv-python-headless: pip install ".[cameras]" in the folder of BEATRIX'
+            )
         return ""
 
 
@@ -96,17 +90,9 @@ TEST_EYES: Final = tuple(CameraChoice(eye, PATTERN).sensor for eye in names.EYES
 """the sensors of two eyes that show a test picture"""
 
 
-def on_linux() -> bool:
-    """Return whether this is Linux, where USB cameras have paths and linuxpy reads them.
-
-    On other systems they have numbers, and OpenCV reads them.
-    """
-    return sys.platform.startswith("linux")
-
-
 def examples() -> str:
     """Return examples of values of --camera on this system."""
-    usb = "/dev/v4l/by-path/…" if on_linux() else "0"
+    usb = "/dev/v4l/by-path/…" if sys.platform.startswith("linux") else "0"
     return (
         f"left={usb} (a USB camera), left=pattern (a test picture), or left=file:PATH (pictures or a video)"
     )
@@ -129,12 +115,7 @@ def choices(words: Sequence[str]) -> list[CameraChoice]:
         if mistake := choice.mistake():
             raise wrong(word, mistake)
         if choice.device is not None and any(one.device == choice.device for one in found.values()):
-            how = (
-                "`ls /dev/v4l/by-path` lists all cameras"
-                if on_linux()
-                else "The numbers of cameras begin at 0"
-            )
-            raise wrong(word, f"the other eye has this camera already. {how}")
+            raise wrong(word, f"the other eye has this camera already. Choose {examples()}")
         found[eye] = choice
     return list(found.values())
 
