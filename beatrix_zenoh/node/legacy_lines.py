@@ -39,13 +39,12 @@ SHOWN_S: Final = 0.3
 """Time within which telemetry shows that a line has switched the motors (s)."""
 
 STOPPED: Final = Refused(Reason.STOPPED, "STOP was pressed.")
-CUT_SHORT: Final = Refused(Reason.STOPPED, "the motion ended before its goal.")
 LOST: Final = NoAnswer(Reason.BOARD_LOST, "the board has not answered the line. Restart the program.")
 DROPPED: Final = Refused(Reason.CLIENT_LOST, "the program closed its port, or another one opened it.")
 REFUSED_BY_BOARD: Final = Refused(
     Reason.BAD_VALUE,
-    "the board refused the line. Motions need @CALNOW first, and again after each @ENMOTORS ON or OFF; numbers go up to "
-    "32767. docs/how-to/old-programs.md lists the words.",
+    "the board refused the line, or ended its motion before the goal. Motions need @CALNOW first, and again after each "
+    "@ENMOTORS ON or OFF; numbers go up to 32767. docs/how-to/old-programs.md lists the words.",
 )
 
 
@@ -61,8 +60,6 @@ class ProgramLine:
     """the answer of the node instead of the board's; empty: the line was not refused"""
     cause: BeatrixError | None = None
     """why it is not carried out, if that is known before the board answers"""
-    remark: str = ""
-    """how the board has changed it"""
     begun: bool = False
     """whether the first line of the answer was written"""
 
@@ -221,11 +218,7 @@ class LineQueue:
         """Handle a line or a warning of the board; `opening`: value of `openings` when it arrived."""
         line = self._lines[0] if self._lines and self._lines[0].sent else None
         if isinstance(frame, TextWarning):
-            remark = WarningCode(frame.code).text
-            if line is None:
-                self._driving.warn(remark)
-            else:
-                line.remark = remark
+            self._driving.warn(WarningCode(frame.code).text)
         elif opening == self.openings and line is not None:
             line.begun = True
             self._write(frame.text)
@@ -236,10 +229,8 @@ class LineQueue:
 
     def _ended(self, line: ProgramLine, error: BeatrixError | None) -> None:
         """Record the end of a line that was sent; a known cause replaces the error, unless the line was carried out."""
-        if error is not None and line.operation is Operation.MOVE and self._driving.has_moved():
-            error = CUT_SHORT if error is REFUSED_BY_BOARD else error
         error = error and (line.cause or error)
-        self._driving.record(line.text, line.operation, error, since_s=line.sent_s, remark=line.remark)
+        self._driving.record(line.text, line.operation, error, since_s=line.sent_s)
 
     def observe(self) -> None:
         """Refuse the lines that the board will never answer, because it is lost."""

@@ -37,7 +37,6 @@ class LegacyPort(Component):
         self._driving = Driving(requests.events, controller, hardware, has_router)
         self._lines = LineQueue(terminal.write, board_watch.board, self._driving)
         controller.on_stop.append(self._lines.refuse_waiting_motions)
-        board_watch.observe(Observer(self._driving.observe, lambda: False))
         board_watch.observe(Observer(self._lines.observe, lambda: False, urgent=False))
         board_watch.on_text(self._board_sent)
 

@@ -35,7 +35,7 @@ class Port:
 
     def __init__(self, *lines: bytes) -> None:
         self.board = Mock(connected=True, state=0, telemetry=None)
-        self.driving = Mock(**{"has_moved.return_value": False})
+        self.driving = Mock()
         self.written = b""
         self.queue = LineQueue(self._write, self.board, self.driving)
         self.queue.program_opened()
