@@ -114,9 +114,9 @@ def _begin(node: Node, legacy: Path | None, *, ready: bool) -> None:
         undo.callback(node.close)
         if ready:
             node.make_ready()
-        link = node.board.link
+        board = node.board
         without = (
-            "" if link.connected else " (unusable firmware)" if link.contract_differs else " (no board yet)"
+            "" if board.connected else " (unusable firmware)" if board.contract_differs else " (no board yet)"
         )
         print(f"ready {node.alive_key}{without}", flush=True)
         if legacy is not None:

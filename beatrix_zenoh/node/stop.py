@@ -292,9 +292,9 @@ class Rest:
 
     def _end(self, handles: list[RequestHandle], how: str) -> None:
         self._how = how
-        arms, link = self._controller.arms(), self._board.link
-        if how == STOPPED and not link.connected:
-            lost = lost_while_stopping(reset=link.reset)
+        arms = self._controller.arms()
+        if how == STOPPED and not self._board.connected:
+            lost = lost_while_stopping(reset=self._board.reset)
             end_all(handles, command_refusal(lost, arms))
         elif self.moving:
             end_all(handles, command_refusal(not_stopped(STILL_MOVING), arms))
@@ -342,9 +342,8 @@ def lost_while_stopping(*, reset: bool) -> BeatrixError:
 
 def at_rest(board: Board, how: str, arms: Arms) -> str:
     """Return the state after an acknowledged STOP as a sentence; `how`: its first words at rest; arms in rad."""
-    link = board.link
-    if not link.connected:
-        return f"The board has acknowledged STOP, but its state is unknown. {link.trouble}"
+    if not board.connected:
+        return f"The board has acknowledged STOP, but its state is unknown. {board.trouble}"
     if board.state & BoardState.EMERGENCY:
         return "The motors are off, EMERGENCY_STOP is latched until reset, and home is no longer known."
     return f"{how}; the arms rest at {degrees(arms)}."
