@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import queue
 import sys
-import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -18,11 +17,11 @@ from typing import Final, Protocol, cast
 import numpy as np
 import numpy.typing as npt
 
-from beatrix_zenoh import threads, wav
+from beatrix_zenoh import wav
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage, quoted
-from beatrix_zenoh.node import Node, SoundBlock, microphones_publisher
+from beatrix_zenoh.node import Component, Node, SoundBlock, microphones_publisher
 from beatrix_zenoh.node.sensors import (
     BEHIND,
     BLOCK,
@@ -46,18 +45,11 @@ Frames = npt.NDArray[np.int16]
 """Shape (frames, 2): left, right."""
 
 
-class MicrophoneSensor(Sensor[SoundBlock]):
-    """The two microphones of the robot."""
-
-    def __init__(self, node: Node, source: SoundSource) -> None:
-        wake = threading.Event()
-        key = keys.microphones(node.name, node.side)
-        publisher = microphones_publisher(key, node.events, source.name, wake.set, announce=True)
-        super().__init__(TITLE, source, publisher, wake, SILENCE)
-
-    def start_thread(self) -> threading.Thread:
-        """Start the thread."""
-        return threads.start(self.run, "microphones")
+def microphone_sensor(node: Node, source: SoundSource) -> Component:
+    """Return the two microphones of the robot."""
+    key = keys.microphones(node.name, node.side)
+    publisher = microphones_publisher(key, node.events, source.name, announce=True)
+    return Sensor(TITLE, source, publisher, SILENCE)
 
 
 def choose(word: str) -> SoundSource | None:

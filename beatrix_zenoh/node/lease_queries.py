@@ -115,10 +115,7 @@ class LeaseHandler(Component):
 
     def contribute(self, status: StatusFields) -> None:
         now = standing(self._access, time.monotonic())
-        status.values["holder"] = now.holder
-        status.values["lease"] = now.lease
-        status.values["waiting"] = list(now.waiting)
-        status.values["turn_s"] = now.turn_s
+        status.values |= {**now._asdict(), "waiting": list(now.waiting)}
         with self._access.lock:
             turn = self._access.lease.turn
             over, turn.over = turn.over, ""

@@ -24,7 +24,6 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from abc import abstractmethod
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -35,6 +34,7 @@ import numpy.typing as npt
 from msgspec import Struct
 from msgspec.structs import replace
 
+from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Publication, Sessions
 from beatrix_zenoh.contract import codec, names
 from beatrix_zenoh.contract._generated.messages import (
@@ -188,7 +188,12 @@ class SensorPublisher:
     """Publishes the frames of one sensor; one thread may publish, any thread may read the status."""
 
     def __init__(
-        self, key: str, events: NodeEvents, kind: SensorKind, state: Struct, on_subscribed: Callable[[], None]
+        self,
+        key: str,
+        events: NodeEvents,
+        kind: SensorKind,
+        state: Struct,
+        on_subscribed: Callable[[], None] = lambda: None,
     ) -> None:
         """Store the arguments; `start` declares the publication.
 
@@ -200,7 +205,7 @@ class SensorPublisher:
                 Fields that the headers of its frames have, too, follow them.
             on_subscribed: called when `subscribed` may have changed; may run on Zenoh's thread, must return at once.
         """
-        self._key, self._events, self._kind, self._on_subscribed = key, events, kind, on_subscribed
+        self._key, self._events, self._kind, self.on_subscribed = key, events, kind, on_subscribed
         self._publication: Publication | None = None
         self._lock = threading.Lock()
         self._times_s: deque[float] = deque()
@@ -210,7 +215,7 @@ class SensorPublisher:
 
     def start(self, sessions: Sessions) -> None:
         """Declare the publication."""
-        self._publication = sessions.publication(self._key, self._kind.encoding, self._on_subscribed)
+        self._publication = sessions.publication(self._key, self._kind.encoding, self.on_subscribed)
 
     @property
     def subscribed(self) -> bool:
@@ -289,7 +294,7 @@ class SensorPublisher:
 
 
 def camera_publisher(
-    key: str, events: NodeEvents, source: str, on_subscribed: Callable[[], None]
+    key: str, events: NodeEvents, source: str, on_subscribed: Callable[[], None] = lambda: None
 ) -> SensorPublisher:
     """Return the publisher of a camera; the key ends with `left` or `right`, of simulations also with `outside`."""
     eye = key.rpartition("/")[2]
@@ -298,13 +303,11 @@ def camera_publisher(
     return SensorPublisher(key, events, kind, state, on_subscribed)
 
 
-def microphones_publisher(
-    key: str, events: NodeEvents, source: str, on_subscribed: Callable[[], None], *, announce: bool
-) -> SensorPublisher:
+def microphones_publisher(key: str, events: NodeEvents, source: str, *, announce: bool) -> SensorPublisher:
     """Return the publisher of both microphones; `announce`: an event says when real ones are switched on and off."""
     kind = SensorKind(TITLE, TITLE, EventKind.MICROPHONES, PCM, switched=SWITCHED if announce else None)
     state = MicrophonesStatus(connected=False, streaming=False, rate=RATE, source=source)
-    return SensorPublisher(key, events, kind, state, on_subscribed)
+    return SensorPublisher(key, events, kind, state)
 
 
 CHECK_S: Final = 1.0
@@ -346,28 +349,27 @@ class SensorSource(Protocol[T_co]):
 class Sensor(Component, Generic[T]):
     """Publishes the frames of a source; its failures do not affect the rest of the node."""
 
-    check_s: float | None = CHECK_S
-    """Period (s) of the check of a source that is not in use; None: it is always present."""
-
     def __init__(
         self,
         title: str,
         source: SensorSource[T],
         publisher: SensorPublisher,
-        wake: threading.Event,
         silence: str,
+        check_s: float | None = CHECK_S,
     ) -> None:
         """Store the arguments; `start` starts the thread.
 
         Args:
             title: the sensor in the log.
             source: where the frames come from.
-            publisher: publishes them; sets `wake` when a client subscribes.
-            wake: wakes the thread.
+            publisher: publishes them.
             silence: a sentence for a device that is present and delivers nothing for SILENT_S.
+            check_s: period of the check of a source that is not in use; None: it is always present.
         """
         self._title, self._source, self._publisher = title, source, publisher
-        self._wake, self._silence = wake, silence
+        self._silence, self._check_s = silence, check_s
+        self._wake = threading.Event()
+        publisher.on_subscribed = self._wake.set
         self._failed = ""
         """the last unexpected error"""
         self._closed = False
@@ -375,16 +377,12 @@ class Sensor(Component, Generic[T]):
 
     def start(self, sessions: Sessions) -> None:
         self._publisher.start(sessions)
-        self._thread = self.start_thread()
-
-    @abstractmethod
-    def start_thread(self) -> threading.Thread:
-        """Start the thread that calls `run`."""
+        self._thread = threads.start(self._run, self._title)
 
     def contribute(self, status: StatusFields) -> None:
         self._publisher.contribute(status)
 
-    def run(self) -> None:
+    def _run(self) -> None:
         """Publish frames until the sensor is closed."""
         seen: str | None = None
         while not self._closed:
@@ -397,7 +395,7 @@ class Sensor(Component, Generic[T]):
             wanted = not trouble and self._publisher.subscribed
             if wanted and self._take():
                 continue
-            self._wake.wait(CHECK_S if wanted else self.check_s)
+            self._wake.wait(CHECK_S if wanted else self._check_s)
             self._wake.clear()
 
     def _take(self) -> bool:

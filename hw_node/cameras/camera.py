@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import importlib.util
 import sys
-import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from beatrix_zenoh import threads
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage, quoted
-from beatrix_zenoh.node import CameraFrame, Node, camera_publisher
+from beatrix_zenoh.node import CameraFrame, Component, Node, camera_publisher
 from beatrix_zenoh.node.sensors import SILENT_S, Sensor, SensorSource
 from hw_node.cameras.stand_ins import Pattern, PictureFiles
 
@@ -25,19 +23,10 @@ FrameSource = SensorSource[CameraFrame]
 """A camera or another source of pictures."""
 
 
-class CameraSensor(Sensor[CameraFrame]):
-    """One eye of the robot."""
-
-    def __init__(self, node: Node, eye: str, source: FrameSource) -> None:
-        wake = threading.Event()
-        key = keys.camera(node.name, node.side, eye)
-        publisher = camera_publisher(key, node.events, source.name, wake.set)
-        super().__init__(f"{eye} eye", source, publisher, wake, SILENCE)
-        self._eye = eye
-
-    def start_thread(self) -> threading.Thread:
-        """Start the thread."""
-        return threads.start(self.run, f"camera-{self._eye}")
+def camera_sensor(node: Node, eye: str, source: FrameSource) -> Component:
+    """Return one eye of the robot."""
+    publisher = camera_publisher(keys.camera(node.name, node.side, eye), node.events, source.name)
+    return Sensor(f"{eye} eye", source, publisher, SILENCE)
 
 
 PATTERN, FILE = "pattern", "file:"
@@ -61,9 +50,9 @@ class CameraChoice:
 
         return opencv.OpenCvCamera(self.source, opencv.library())
 
-    def sensor(self, node: Node) -> CameraSensor:
+    def sensor(self, node: Node) -> Component:
         """Create the sensor of this eye."""
-        return CameraSensor(node, self.eye, self.build())
+        return camera_sensor(node, self.eye, self.build())
 
     @property
     def device(self) -> Path | int | None:

@@ -15,7 +15,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.node import CameraFrame, sensors
 from hw_node.body import VirtualHardware
-from hw_node.cameras.camera import CameraSensor
+from hw_node.cameras.camera import camera_sensor
 
 PICTURE = b"\xff\xd8" + bytes(40_000)
 
@@ -53,7 +53,7 @@ class HardwareWithOneEye(VirtualHardware):
     """A virtual board with one eye, whose pictures come from `source`."""
 
     def __init__(self, name: str, source: FakeSource) -> None:
-        super().__init__(name, sensors=[lambda node: CameraSensor(node, "left", source)])
+        super().__init__(name, sensors=[lambda node: camera_sensor(node, "left", source)])
 
 
 @pytest.fixture

@@ -14,7 +14,7 @@ from beatrix_zenoh.contract._generated.messages import Event, EventKind, Status
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.node import SoundBlock, sensors
 from hw_node.body import VirtualHardware
-from hw_node.microphones import MicrophoneSensor
+from hw_node.microphones import microphone_sensor
 
 
 class FakeDevice:
@@ -53,7 +53,7 @@ def router() -> Iterator[Stage]:
 
 @pytest.fixture
 def robot(router: Stage, device: FakeDevice) -> Iterator[Robot]:
-    node = router.node("bea", VirtualHardware("bea", sensors=[lambda node: MicrophoneSensor(node, device)]))
+    node = router.node("bea", VirtualHardware("bea", sensors=[lambda node: microphone_sensor(node, device)]))
     robot = router.robot("bea", "hw")
     wait_status(robot, lambda status: status.microphones is not None, "there are microphones")
     yield robot
