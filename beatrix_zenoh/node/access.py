@@ -279,11 +279,6 @@ class Access:
         self.lease.router_changed(now_s, connected=connected)
 
     @_locked
-    def missing_too_long(self, now_s: float) -> bool:
-        """Return whether `give_up_sessions` would end sessions now."""
-        return bool(self._sessions.missing_too_long(now_s))
-
-    @_locked
     def give_up_sessions(self, now_s: float) -> bool:
         """End the leases and places of sessions that have been missing for too long.
 

@@ -364,13 +364,9 @@ class KnownSessions:
             if connected:
                 self._ended.pop(caller, None)
 
-    def missing_too_long(self, now_s: float) -> list[Caller]:
-        """Return the sessions that have been missing for too long."""
-        return [caller for caller, due_s in self._missing.items() if due_s <= now_s]
-
     def given_up(self, now_s: float) -> list[Caller]:
         """Return the sessions that have been missing for too long; they count as ended."""
-        over = self.missing_too_long(now_s)
+        over = [caller for caller, due_s in self._missing.items() if due_s <= now_s]
         for caller in over:
             del self._missing[caller]
             self._end(caller)

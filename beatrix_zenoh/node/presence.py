@@ -9,9 +9,9 @@ from beatrix_zenoh.bus import Bus, SessionListener, Sessions
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import EventKind, Reason
 from beatrix_zenoh.contract.errors import NoAnswer, Refused
-from beatrix_zenoh.node.callers import Caller
+from beatrix_zenoh.node.callers import RETURN_S, SETTLE_S, Caller
 from beatrix_zenoh.node.controller import MotionController
-from beatrix_zenoh.node.interfaces import Component, StatusFields
+from beatrix_zenoh.node.interfaces import Component
 from beatrix_zenoh.node.requests import Requests
 
 
@@ -44,10 +44,6 @@ class ClientWatch(Component):
         sessions.declare_token(self._alive_key)
         self._end_reports = sessions.watch_sessions(SessionListener(self._renewed, self._refused))
 
-    def contribute(self, status: StatusFields) -> None:  # noqa: ARG002 - the status is assembled five times a second
-        if self._access.missing_too_long(time.monotonic()):
-            self._queue.post_event(self._give_up_sessions)
-
     def _seat(self, key: str, alive: bool) -> None:  # noqa: FBT001
         """Handle a client's session that has begun or ended, on Zenoh's thread."""
         parts = keys.parse(key)
@@ -64,6 +60,8 @@ class ClientWatch(Component):
     def _session_changed(self, caller: Caller, now_s: float, *, alive: bool) -> None:
         if self._access.session_changed(caller, now_s, alive=alive):
             self._controller.client_lost()
+        if not alive:
+            self._queue.post_later(now_s + SETTLE_S, self._give_up_sessions)
 
     def _give_up_sessions(self) -> None:
         if self._access.give_up_sessions(time.monotonic()):
@@ -93,6 +91,8 @@ class ClientWatch(Component):
     def _connection_changed(self, now_s: float, *, connected: bool) -> None:
         """Keep the leases of sessions that are missing because a router is lost, until they could have returned."""
         self._access.router_changed(now_s, connected=connected)
+        if connected:
+            self._queue.post_later(now_s + RETURN_S, self._give_up_sessions)
 
     def _renewed(self, traffic: str) -> None:
         """Stop the running motion, because the client of the old session may be gone without notice.

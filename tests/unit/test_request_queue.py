@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.node.requests import CAPACITY, ControllerQueue, Decline, Run
@@ -89,3 +91,25 @@ def test_urgent_entries_go_first_in_their_own_order() -> None:
     queue.close()
     queue.post_urgent(*log.task("late"))
     assert log.declined == [("late", Reason.SHUTDOWN)]
+
+
+def test_a_later_entry_runs_at_its_time_after_all_that_wait_then() -> None:
+    log, queue, due_s = Log(), ControllerQueue(), time.monotonic() + 0.05
+    queue.post_later(due_s + 0.01, lambda: log.ran.append("last"))
+    queue.post_later(due_s, lambda: log.ran.append(f"late: {time.monotonic() >= due_s}"))
+    queue.post(*log.task("now"))
+    for _ in range(3):
+        run = queue.take()
+        assert run is not None
+        run()
+    assert log.ran == ["now", "late: True", "last"]
+    queue.post_later(time.monotonic(), lambda: log.ran.append("due"))
+    queue.post(*log.task("waits already"))
+    for _ in range(2):
+        run = queue.take()
+        assert run is not None
+        run()
+    assert log.ran[3:] == ["waits already", "due"]
+    queue.post_later(time.monotonic() + 60, lambda: log.ran.append("never"))
+    drain(queue)
+    assert log.ran[-1] == "due", "a closed queue waits for none"
