@@ -17,7 +17,7 @@ from beatrix_zenoh.terminal.options import Connect, Legacy, LogFile, OwnName, Ro
 from beatrix_zenoh.terminal.run import run_command
 from hw_node.body import MakeSensor, build
 from hw_node.cameras.camera import TEST_EYES, choices
-from hw_node.microphones import MicrophoneSensor, choose
+from hw_node.microphones import choose, microphone_sensor
 from hw_node.port import VIRTUAL, listed
 
 MicrophonesOption = Annotated[
@@ -84,7 +84,7 @@ def hw(
     sensors += [choice.sensor for choice in choices(words)]
     ears = choose(settings.microphones if microphones is None else microphones)
     if ears is not None:
-        sensors.append(lambda node: MicrophoneSensor(node, ears))
+        sensors.append(lambda node: microphone_sensor(node, ears))
     raise typer.Exit(
         serve(
             lambda name: build(port, name, robot, sensors),

@@ -6,18 +6,18 @@ from collections.abc import Callable, Sequence
 
 from beatrix_zenoh.board.state import Port, TimedPort
 from beatrix_zenoh.board.virtual import Firmware, RealTime, RealTimePort, VirtualBoard
-from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract._generated.serial import TELEMETRY_PERIOD, Telemetry
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.node import ArmState, Component, Node
+from beatrix_zenoh.node.node import RobotBody
 from hw_node.cameras.camera import TEST_EYES
 from hw_node.port import VIRTUAL, SerialPort, find
 
 MakeSensor = Callable[[Node], Component]
 
 
-class Hardware:
+class Hardware(RobotBody):
     """A robot with its board on the serial port `device`; empty: the board on USB."""
 
     side = "hw"
@@ -33,10 +33,6 @@ class Hardware:
         """Open the serial port; raises NoAnswer if there is no board."""
         return SerialPort(self._device or find(", or try `--port virtual:` for a virtual board"))
 
-    def timed_port(self) -> TimedPort | None:
-        """Return None: a thread waits for the serial port."""
-        return None
-
     def pose(self, telemetry: Telemetry, t_mono_ns: int) -> ArmState:
         """Return the arm angles that the firmware has counted; the robot has no angle sensors."""
         return ArmState(
@@ -46,23 +42,9 @@ class Hardware:
             steps=telemetry.position,
         )
 
-    def straighten(self) -> None:
-        """Do nothing: a person has set the head upright."""
-
     def components(self, node: Node) -> list[Component]:
         """Return the sensors: cameras, microphones and others."""
         return [make(node) for make in self._sensors]
-
-    def plant(self) -> PlantStatus | None:
-        """Return None: only a simulation has a plant."""
-        return None
-
-    def fault(self) -> Fault:
-        """Return NONE: the board reports its faults itself."""
-        return Fault.NONE
-
-    def close(self) -> None:
-        """Do nothing: the board's connection closes the port."""
 
 
 class VirtualHardware(Hardware):

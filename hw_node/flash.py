@@ -6,7 +6,6 @@ import codecs
 from binascii import unhexlify
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from importlib import resources
 from pathlib import Path
 from typing import Annotated
 
@@ -26,79 +25,61 @@ from hw_node import stk500
 from hw_node.port import VIRTUAL, SerialPort, find
 from hw_node.stk500 import FLASH, PAGE, PARKED, Programmer, Wire
 
-BLANK = 0xFF
-"""Value of erased flash."""
-DATA, END, SEGMENT, START_SEGMENT, HIGH, START = range(6)
-LENGTHS = {END: 0, SEGMENT: 2, START_SEGMENT: 4, HIGH: 2, START: 4}
-"""Number of bytes in a record of each kind. Start addresses (START_SEGMENT, START) have no use on an AVR."""
+SHIPPED = Path(__file__).with_name("beatrix-mega2560.hex")
+"""The firmware in this package."""
+DATA, END = 0, 1
+SHIFTS = {2: 4, 4: 16}
+"""Kinds of records with the upper part of the next addresses, and by how many bits it is shifted."""
+UNUSED = (END, 3, 5)
+"""Kinds without data for the flash; start addresses (3, 5) have no use on an AVR."""
 SHORTEST = 5
 LONGEST_FILE = 4 << 20
 """Largest size of a file (bytes): more than an image of the whole flash with one byte in each line."""
 
 
 def read_hex(path: Path) -> bytes:
-    """Return the image from address 0 on, 1 to FLASH bytes; gaps are BLANK.
+    """Return the image from address 0 on, 1 to FLASH bytes; gaps are 0xFF, the value of erased flash.
 
     Raises:
         WrongUsage: BAD_VALUE, the file is missing, or not an image for this board. The message names the invalid line.
     """
-    image, base, ended = bytearray(), 0, False
-    for number, line in enumerate(map(bytes.strip, content(path).splitlines()), start=1):
+    try:
+        content = files.content(path, LONGEST_FILE, "Intel HEX").removeprefix(codecs.BOM_UTF8)
+    except OSError as error:
+        raise WrongUsage(Reason.BAD_VALUE, f"{path} cannot be read: {error.strerror}.") from error
+    image, base = bytearray(), 0
+    kind: int | None = DATA
+    for number, line in enumerate(map(bytes.strip, content.splitlines()), start=1):
         if not line:
             continue
-        if ended:
-            raise wrong(path, number, "comes after the end record")
-        kind, at, data = record(path, number, line)
-        if kind == DATA and data:
-            begin, end = base + at, base + at + len(data)
-            if begin < len(image) or end > FLASH or (begin and not image):
-                must = f"the addresses of an image begin at 0, rise, and end at {FLASH:#x} or before"
-                raise wrong(path, number, f"has the addresses {begin:#x} to {end:#x}; {must}")
-            image += bytes([BLANK]) * (begin - len(image)) + data
-        elif kind in (SEGMENT, HIGH):
-            base = int.from_bytes(data, "big") << (4 if kind == SEGMENT else 16)
-        ended = kind == END
-    if not ended or not image:
-        raise WrongUsage(
-            Reason.BAD_VALUE, f"{path} has no {'data' if ended else 'end record'}: it is incomplete."
-        )
+        kind, at, data = record(line) if kind != END else (None, 0, b"")
+        begin = base + at
+        if kind == DATA and len(image) <= begin <= FLASH - len(data) and (image or not begin):
+            image += b"\xff" * (begin - len(image)) + data
+        elif kind in SHIFTS and len(data) == 2:
+            base = int.from_bytes(data, "big") << SHIFTS[kind]
+        elif kind not in UNUSED:
+            raise WrongUsage(
+                Reason.BAD_VALUE,
+                f"{path}, line {number} is no record of Intel HEX for this board, whose addresses begin at 0, rise, and "
+                f"end at {FLASH:#x}: {quoted(line.decode(errors='replace'))}.",
+            )
+    if kind != END or not image:
+        raise WrongUsage(Reason.BAD_VALUE, f"{path} is incomplete: it has no data or no end record.")
     return bytes(image)
 
 
-def content(path: Path) -> bytes:
-    """Return the whole file without a byte order mark; raises the errors of `read_hex`."""
+def record(line: bytes) -> tuple[int | None, int, bytes]:
+    """Return kind, address and data of one line; kind None: it is no record."""
     try:
-        held = files.content(path, LONGEST_FILE, "Intel HEX")
-    except OSError as error:
-        raise WrongUsage(Reason.BAD_VALUE, f"{path} cannot be read: {error.strerror}.") from error
-    return held.removeprefix(codecs.BOM_UTF8)
-
-
-def record(path: Path, number: int, line: bytes) -> tuple[int, int, bytes]:
-    """Return kind, address and data of one line; raises the errors of `read_hex`."""
-    try:
-        record = unhexlify(line.removeprefix(b":"))
+        fields = unhexlify(line.removeprefix(b":"))
     except ValueError:
-        record = b""
-    if (
-        not line.startswith(b":")
-        or len(record) < SHORTEST
-        or len(record) != SHORTEST + record[0]
-        or sum(record) & 0xFF
-    ):
-        raise wrong(path, number, f"is not a record of Intel HEX: {quoted(line.decode(errors='replace'))}")
-    kind, data = record[3], record[4:-1]
-    if kind != DATA and LENGTHS.get(kind) != len(data):
-        raise wrong(path, number, f"has an unknown kind of record: kind {kind} with {len(data)} bytes")
-    return kind, int.from_bytes(record[1:3], "big"), data
+        return None, 0, b""
+    whole = len(fields) >= SHORTEST and len(fields) == SHORTEST + fields[0] and not sum(fields) & 0xFF
+    kind = fields[3] if whole and line.startswith(b":") else None
+    return kind, int.from_bytes(fields[1:3], "big"), fields[4:-1]
 
 
-def wrong(path: Path, number: int, why: str) -> WrongUsage:
-    """Return the error for a line."""
-    return WrongUsage(Reason.BAD_VALUE, f"{path}, line {number} {why}.")
-
-
-HEX = "beatrix-mega2560.hex"
 UNTOUCHED = "Nothing was written."
 FIRST_PAGE = (
     "The first page, where the firmware starts, was being written and is not verified: the firmware may start, fail or "
@@ -175,32 +156,25 @@ def report_board_state() -> Iterator[SetState]:
         raise
 
 
-def firmware(path: Path | None) -> bytes:
-    """Return the image in a file, by default that of the firmware in this package.
-
-    Raises:
-        WrongUsage: the file contains no image for this board.
-    """
-    if path is not None:
-        return read_hex(path)
-    with resources.as_file(resources.files("hw_node") / HEX) as shipped:
-        return read_hex(shipped)
-
-
 def flash(
     *,
     port: Annotated[
         str, typer.Option(metavar="PORT", help="Serial device; by default the board on USB.")
     ] = "",
     file: Annotated[
-        Path | None,
-        typer.Option("--hex", metavar="FILE", help="Firmware file; by default the one in this package."),
-    ] = None,
+        Path,
+        typer.Option(
+            "--hex",
+            metavar="FILE",
+            help="Firmware file; by default the one in this package.",
+            show_default=False,
+        ),
+    ] = SHIPPED,
     as_json: Json = False,
 ) -> None:
     """Write the firmware to the board, in about ten seconds. Hold the head: the motors switch off."""
     with signals_interrupt(), report_board_state() as now:
-        image = firmware(file)
+        image = read_hex(file)
         if port.startswith(VIRTUAL.rstrip(":")):
             raise WrongUsage(
                 Reason.BAD_VALUE,

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import queue
 import sys
-import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -18,11 +17,11 @@ from typing import Final, Protocol, cast
 import numpy as np
 import numpy.typing as npt
 
-from beatrix_zenoh import threads, wav
+from beatrix_zenoh import wav
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage, quoted
-from beatrix_zenoh.node import Node, SoundBlock, microphones_publisher
+from beatrix_zenoh.node import Component, Node, SensorFrame, microphones_publisher, sound_block
 from beatrix_zenoh.node.sensors import (
     BEHIND,
     BLOCK,
@@ -41,26 +40,18 @@ TONES_HZ: Final = (500.0, 1000.0)
 LOUDNESS: Final = 0.25
 TONE, FILE, OFF = "tone", "file:", "off"
 SILENCE: Final = f"The microphones are plugged in but have delivered no sound for {SILENT_S:g} s. Unplug them, and plug them in again."
-SoundSource = SensorSource[SoundBlock]
 Frames = npt.NDArray[np.int16]
 """Shape (frames, 2): left, right."""
 
 
-class MicrophoneSensor(Sensor[SoundBlock]):
-    """The two microphones of the robot."""
-
-    def __init__(self, node: Node, source: SoundSource) -> None:
-        wake = threading.Event()
-        key = keys.microphones(node.name, node.side)
-        publisher = microphones_publisher(key, node.events, source.name, wake.set, announce=True)
-        super().__init__(TITLE, source, publisher, wake, SILENCE)
-
-    def start_thread(self) -> threading.Thread:
-        """Start the thread."""
-        return threads.start(self.run, "microphones")
+def microphone_sensor(node: Node, source: SensorSource) -> Component:
+    """Return the two microphones of the robot."""
+    key = keys.microphones(node.name, node.side)
+    publisher = microphones_publisher(key, node.events, source.name, announce=True)
+    return Sensor(TITLE, source, publisher, SILENCE)
 
 
-def choose(word: str) -> SoundSource | None:
+def choose(word: str) -> SensorSource | None:
     """Create the source that `--microphones` names; None for `off` and an empty text.
 
     No device is opened; a file is read once, to refuse a damaged one.
@@ -136,14 +127,14 @@ class RepeatedSound:
         self._frames, self._at = self._load(), 0
         self._clock.restart()
 
-    def next(self, timeout_s: float) -> SoundBlock | None:
+    def next(self, timeout_s: float) -> SensorFrame | None:
         """Wait for the next block and return it; None if it is complete after `timeout_s`."""
         begin_ns = self._clock.wait(timeout_s)
         if begin_ns is None:
             return None
         rows = (self._at + np.arange(BLOCK)) % len(self._frames)
         self._at += BLOCK
-        return SoundBlock(self._frames[rows].tobytes(), begin_ns, self.name, self._clock.dropped)
+        return sound_block(self._frames[rows].tobytes(), begin_ns, self.name, self._clock.dropped)
 
     def close(self) -> None:
         """Do nothing: there are no resources to free."""
@@ -185,7 +176,7 @@ class DeviceMicrophones:
     def __init__(self, word: str, sound: ModuleType) -> None:
         """`sound` is the module `sounddevice`."""
         self._word, self._sound = word, sound
-        self._blocks: queue.SimpleQueue[SoundBlock] = queue.SimpleQueue()
+        self._blocks: queue.SimpleQueue[SensorFrame] = queue.SimpleQueue()
         self._stop: Callable[[], None] = lambda: None
         self._due_ns = 0
         self._dropped = 0
@@ -259,7 +250,7 @@ class DeviceMicrophones:
         while self._blocks.qsize() > BEHIND:
             self._blocks.get_nowait()
             self._dropped += BLOCK
-        self._blocks.put(SoundBlock(bytes(data), begin_ns, self.name, self._dropped))
+        self._blocks.put(sound_block(bytes(data), begin_ns, self.name, self._dropped))
         self._due_ns = begin_ns + frames * 1_000_000_000 // RATE
 
     def _steady(self, begin_ns: int, *, overflow: bool) -> int:
@@ -271,7 +262,7 @@ class DeviceMicrophones:
             return max(begin_ns, self._due_ns)
         return self._due_ns + round(late_ns * STEADY)
 
-    def next(self, timeout_s: float) -> SoundBlock | None:
+    def next(self, timeout_s: float) -> SensorFrame | None:
         """Return the next block; None if none arrives within `timeout_s`."""
         try:
             return self._blocks.get(timeout=timeout_s)

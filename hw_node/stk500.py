@@ -106,25 +106,19 @@ class Programmer:
         for _ in range(TRIES):
             if at == 0 and body[0] == PROGRAM:
                 # At each write, the boot loader erases the page at a counter of its own, and advances that counter.
-                # This command sets the counter to 0.
-                self._reply(bytes([ERASE, 0, 0, 0, 0, 0, 0]))
+                # This command, for which it reports a failure, sets the counter to 0.
+                self._command(bytes([ERASE, 0, 0, 0, 0, 0, 0]), works=False)
             self._command(bytes([LOAD_ADDRESS]) + (FAR | at // 2).to_bytes(4, "big"))
             reply = self._try(body, REPLY_S)
             if reply is not None and reply[1] == STATUS_OK:
                 return reply
         raise lost()
 
-    def _command(self, body: bytes) -> bytes:
-        reply = self._reply(body)
-        if reply[1] != STATUS_OK:
-            raise NoAnswer(Reason.BOARD_LOST, f"The boot loader rejected command {body[0]:#04x}.")
-        return reply
-
-    def _reply(self, body: bytes) -> bytes:
-        """Send a command and return its reply, whatever its status: for ERASE the boot loader reports a failure."""
+    def _command(self, body: bytes, *, works: bool = True) -> bytes:
+        """Send a command until it is answered, and return the reply; with `works` until it has succeeded."""
         for _ in range(TRIES):
             reply = self._try(body, REPLY_S)
-            if reply is not None:
+            if reply is not None and (reply[1] == STATUS_OK or not works):
                 return reply
         raise lost()
 

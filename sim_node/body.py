@@ -15,7 +15,7 @@ from beatrix_zenoh.contract._generated.serial import Move, MoveStraight, Telemet
 from beatrix_zenoh.node import ArmState, Component, Node
 from sim_node.eyes import Drawing, Eyes
 from sim_node.following.handler import FollowHandler
-from sim_node.hearing import Hearing, SimulatedMicrophones, hearing
+from sim_node.hearing import Hearing, hearing, simulated_microphones
 from sim_node.model import TIMESTEP_MS
 from sim_node.painter import SceneState
 from sim_node.plant import Plant
@@ -210,7 +210,7 @@ class Simulation:
             FollowHandler(node.requests, node.controller, node.snapshot, at_start=self._follow),
             target_queries(node.name, self._target, time.monotonic),
             sound_queries(node.name, self._sound),
-            SimulatedMicrophones(node, self._robot, self.hearing, self._sound.playing),
+            simulated_microphones(node, self._robot, self.hearing, self._sound.playing),
         ]
         if self._eyes_hz > 0:
             parts.append(Eyes(node, self._drawing, self._eyes_hz, self.scene_state, lambda: self._clock.late))

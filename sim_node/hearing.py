@@ -1,7 +1,7 @@
 """Sounds for the simulated room, all of them computed, and what two ears on a turning head hear of one source.
 
 Ears hear delay, distance, head shadow, noise, and the stepper motors, but no room echo. These are pure calculations on
-blocks of sound; only `SimulatedMicrophones` has a thread, which publishes them while a client subscribes.
+blocks of sound; only `simulated_microphones` have a thread, which publishes them while a client subscribes.
 
 The delay of a block changes linearly from its first to its last frame, and a block begins where the last one ended, so
 that nothing clicks while head or source move. Sound between two samples is computed with a windowed sinc.
@@ -10,7 +10,6 @@ that nothing clicks while head or source move. Sound between two samples is comp
 from __future__ import annotations
 
 import math
-import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cache
@@ -20,12 +19,11 @@ import numpy as np
 import numpy.typing as npt
 from numpy.lib.stride_tricks import as_strided
 
-from beatrix_zenoh import threads
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES, RobotData
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.rotation import Rotation
-from beatrix_zenoh.node import Node, SoundBlock, microphones_publisher
+from beatrix_zenoh.node import Component, Node, SensorFrame, microphones_publisher, sound_block
 from beatrix_zenoh.node.sensors import BLOCK, RATE, TITLE, BlockClock, Sensor, to_pcm
 from sim_node.shapes import Point, Vector
 
@@ -319,7 +317,7 @@ class SimulatedSound:
         self._clock.restart()
         self._ears.restart()
 
-    def next(self, timeout_s: float) -> SoundBlock | None:
+    def next(self, timeout_s: float) -> SensorFrame | None:
         """Wait for the next block and return it; None if it is complete after `timeout_s`."""
         dropped = self._clock.dropped
         begin_ns = self._clock.wait(timeout_s)
@@ -331,38 +329,28 @@ class SimulatedSound:
         began = 0.0 if sound is None else (begin_ns / 1e9 - sound.began_s) * RATE
         signal = None if sound is None else sound.emitted
         pcm = to_pcm(self._ears.block(self._hearing(), signal, began))
-        return SoundBlock(pcm, begin_ns, self.name, self._clock.dropped)
+        return sound_block(pcm, begin_ns, self.name, self._clock.dropped)
 
     def close(self) -> None:
         """Do nothing: there are no resources to free."""
 
 
-class SimulatedMicrophones(Sensor[SoundBlock]):
-    """Publishes the sound of both ears; without a subscriber its thread sleeps."""
+def simulated_microphones(
+    node: Node,
+    robot: RobotData,
+    hearing: Callable[[], Hearing],
+    playing: Callable[[], PlayingSound | None],
+) -> Component:
+    """Return what publishes the sound of both ears; without a subscriber its thread sleeps.
 
-    check_s = None
-
-    def __init__(
-        self,
-        node: Node,
-        robot: RobotData,
-        hearing: Callable[[], Hearing],
-        playing: Callable[[], PlayingSound | None],
-    ) -> None:
-        """Store the arguments; `start` starts the thread.
-
-        Args:
-            node: the node whose name the sound has.
-            robot: values of the robot.
-            hearing: returns ears, source and arms at the last step of the physics.
-            playing: returns the sound of the source, None for silence.
-        """
-        source, wake = SimulatedSound(robot, hearing, playing), threading.Event()
-        # Simulated ears hear no person, so no event says that they are on.
-        key = keys.microphones(node.name, node.side)
-        publisher = microphones_publisher(key, node.events, source.name, wake.set, announce=False)
-        super().__init__(TITLE, source, publisher, wake, "")
-
-    def start_thread(self) -> threading.Thread:
-        """Start the thread."""
-        return threads.start(self.run, "ears")
+    Args:
+        node: the node whose name the sound has.
+        robot: values of the robot.
+        hearing: returns ears, source and arms at the last step of the physics.
+        playing: returns the sound of the source, None for silence.
+    """
+    source = SimulatedSound(robot, hearing, playing)
+    # Simulated ears hear no person, so no event says that they are on.
+    key = keys.microphones(node.name, node.side)
+    publisher = microphones_publisher(key, node.events, source.name, announce=False)
+    return Sensor(TITLE, source, publisher, "", check_s=None)

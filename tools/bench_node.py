@@ -329,7 +329,7 @@ def round_trips(port: Path) -> list[float]:
     """Return the times (s) from a request to its answer without a node: serial line, firmware, pyserial."""
     board = Board(lambda: SerialPort(str(port)), lambda _: None, lambda: None)
     board.start()
-    while not board.link.connected:
+    while not board.connected:
         time.sleep(0.01)
     move = MoveStraight(1, (100, 100, 100), 800)
 

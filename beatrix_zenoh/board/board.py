@@ -9,7 +9,7 @@ from typing import Final
 
 from beatrix_zenoh.board.connection import BoardConnection
 from beatrix_zenoh.board.link import SerialFrame, encode
-from beatrix_zenoh.board.state import Port, not_connected
+from beatrix_zenoh.board.state import Port
 from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated import serial as wire
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -93,7 +93,7 @@ class Board(BoardConnection):
     def check_connected(self) -> None:
         """Raise NoAnswer (BOARD_LOST or CONTRACT_MISMATCH) unless the board is connected."""
         if not self.connected:
-            raise not_connected(self.link)
+            raise self.not_connected()
 
     def ready_telemetry(self) -> Telemetry:
         """Return the newest telemetry of a robot that is ready to move.
@@ -103,7 +103,7 @@ class Board(BoardConnection):
         """
         telemetry = self.telemetry
         if telemetry is None or not self.connected:
-            raise not_connected(self.link)
+            raise self.not_connected()
         state = telemetry.state
         refusals.check_ready(
             emergency=bool(state & BoardState.EMERGENCY),
@@ -121,7 +121,7 @@ class Board(BoardConnection):
         """
         # STOP and EMERGENCY_STOP are the same in every contract: send them to any firmware.
         if kind not in STOPS and not self.understood:
-            raise not_connected(self.link)
+            raise self.not_connected()
         slot: queue.SimpleQueue[int] = queue.SimpleQueue()
         with self._lock:
             self._seq = seq = self._seq % 255 + 1
@@ -133,7 +133,7 @@ class Board(BoardConnection):
         if code is None:
             raise NoAnswer(
                 Reason.BOARD_LOST,
-                f"The board at {self.link.port or 'its port'} does not answer. Check its cable and its power.",
+                f"The board at {self.port_name or 'its port'} does not answer. Check its cable and its power.",
             )
         check_acknowledged(kind, code)
 

@@ -10,22 +10,14 @@ from typing import Final
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.board.link import Decoder, SerialFrame, encode
-from beatrix_zenoh.board.state import (
-    BoardLink,
-    Port,
-    TelemetrySample,
-    TimedPort,
-    Turns,
-    mismatch_text,
-    not_connected,
-    same_contract,
-)
+from beatrix_zenoh.board.state import NO_TELEMETRY, Port, TelemetrySample, TimedPort, mismatch_text
 from beatrix_zenoh.board.timing import BoardClock, Handshake
 from beatrix_zenoh.contract._generated import serial as wire
-from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.contract._generated.messages import BoardStatus, Reason
 from beatrix_zenoh.contract._generated.serial import FrameType, HelloReply, Telemetry
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer
-from beatrix_zenoh.schedule import ScheduledTask
+from beatrix_zenoh.schedule import Schedule
+from beatrix_zenoh.threads import Owner
 
 READ_S: Final = 0.05
 REOPEN_S: Final = 0.3
@@ -58,57 +50,81 @@ class BoardConnection:
         self.sample_changed = threading.Condition()
         self.sample: TelemetrySample | None = None
         self.connected = False
+        self.hello: HelloReply | None = None
+        """What the firmware has answered to HELLO."""
+        self.reset = False
+        """Whether the connection was lost because the board was reset."""
         self.retries = 0
+        """Number of times that a request was sent again."""
         self._clock = BoardClock()
         self._port: Port | None = None
-        self._port_name = self._trouble = ""
+        self.port_name = self._trouble = ""
         self._decoder = Decoder()
-        self._hello: HelloReply | None = None
-        self._reset = False
         self._handshake = Handshake(0.0, 0.0)
         self._silent_s = self._sent_s = 0.0
         self._closed = threading.Event()
         self._thread: threading.Thread | None = None
-        self._turns: Turns | None = None
-        self._task: ScheduledTask | None = None
+        self._end_turns: Callable[[], None] = lambda: None
 
-    def start(self, turns: Turns | None = None) -> None:
-        """Start the thread, which runs the callbacks; with `turns` their thread does, and the port stays open."""
-        self._turns = turns
-        if turns is None:
-            self._thread = threads.start(self._run, "board")
-            return
-        self._opened(turns.port)
-        self._task = turns.schedule.add(turns.owner, lambda: self._turn(turns.port))
-        turns.port.on_wake(self._task.wake)
-        self._task.wake()
+    def start(self) -> None:
+        """Start the thread, which runs the callbacks."""
+        self._thread = threads.start(self._run, "board")
+
+    def start_turns(self, schedule: Schedule, owner: Owner, port: TimedPort) -> None:
+        """Let the thread of `schedule`, which several virtual boards share, run the callbacks; the port stays open."""
+        self._opened(port)
+        task = schedule.add(owner, lambda: self._turn(port))
+        port.on_wake(task.wake)
+        task.wake()
+
+        def end() -> None:
+            if schedule.remove(task):
+                self._end_port(port)
+
+        self._end_turns = end
 
     @property
-    def link(self) -> BoardLink:
-        """The present state of the connection."""
-        hello, trouble, sample = self._hello, self._trouble, self.sample
-        if not trouble and not self.connected:
-            if hello is not None and not same_contract(hello):
-                trouble = mismatch_text(hello)
-            else:
-                trouble = f"{self._port_name or 'The port'} is silent{SILENT if sample else NEVER_CONNECTED}"
-        overflowed = 0 if sample is None else sample.telemetry.overflowed
-        return BoardLink(
-            port=self._port_name,
-            connected=self.connected,
-            trouble=trouble,
-            hello=hello,
-            rejected=self._decoder.rejected,
-            overflowed=overflowed,
-            retries=self.retries,
-            reset=self._reset,
-        )
+    def trouble(self) -> str:
+        """Why the board is not connected, as a sentence (port not open, other firmware, no frames); empty if it is."""
+        hello, trouble = self.hello, self._trouble
+        if trouble or self.connected:
+            return trouble
+        if hello is not None and hello.contract != wire.CONTRACT:
+            return mismatch_text(hello)
+        return f"{self.port_name or 'The port'} is silent{SILENT if self.sample else NEVER_CONNECTED}"
 
     @property
     def understood(self) -> bool:
         """Whether the firmware has answered HELLO and has this program's contract."""
-        hello = self._hello
-        return hello is not None and same_contract(hello)
+        hello = self.hello
+        return hello is not None and hello.contract == wire.CONTRACT
+
+    @property
+    def contract_differs(self) -> bool:
+        """Whether the firmware has another contract."""
+        hello = self.hello
+        return hello is not None and hello.contract != wire.CONTRACT
+
+    def status(self) -> BoardStatus:
+        """Return the present state of the connection."""
+        hello, telemetry = self.hello, self.sample.telemetry if self.sample else NO_TELEMETRY
+        return BoardStatus(
+            connected=self.connected,
+            port=self.port_name,
+            name="" if hello is None else hello.name.rstrip(b"\0").decode("ascii", "replace"),
+            firmware="" if hello is None else ".".join(map(str, hello.version)),
+            contract="" if hello is None else f"{hello.contract:08x}",
+            boot=0 if hello is None else hello.boot,
+            rejected_frames=self._decoder.rejected + telemetry.rejected,
+            retries=self.retries,
+            overflowed_bytes=telemetry.overflowed,
+        )
+
+    def not_connected(self) -> NoAnswer:
+        """Return the error for a request while the board is not connected."""
+        if self.contract_differs:
+            return NoAnswer(Reason.CONTRACT_MISMATCH, self.trouble)
+        return NoAnswer(Reason.BOARD_LOST, f"The board does not answer its node: {self.trouble}")
 
     def write_frame(self, frame: bytes) -> bytes:
         """Send an encoded frame as `write` does; the frame counts as a heartbeat."""
@@ -120,7 +136,7 @@ class BoardConnection:
         """Send bytes as `Port.write` does; raises NoAnswer: BOARD_LOST or CONTRACT_MISMATCH."""
         port = self._port
         if port is None:
-            raise not_connected(self.link)
+            raise self.not_connected()
         try:
             return port.write(data)
         except OSError as error:
@@ -136,7 +152,7 @@ class BoardConnection:
 
     def request_sent(self) -> None:
         """Postpone the next HELLO after a request, if the contract of the board is unknown."""
-        if self._hello is None:
+        if self.hello is None:
             self._handshake.request_sent(time.monotonic())
 
     def _run(self) -> None:
@@ -162,15 +178,15 @@ class BoardConnection:
         return float("inf")  # the port was closed
 
     def _opened(self, port: Port) -> None:
-        self._port, self._port_name, self._decoder = port, port.name, Decoder()
+        self._port, self.port_name, self._decoder = port, port.name, Decoder()
         self._trouble = ""
         self._silent_s = 0.0
         self._handshake = Handshake(time.monotonic(), port.boot_s)
         self._clock.restart()
 
     def _end_port(self, port: Port) -> None:
-        self._port = self._hello = None
-        self._reset = False
+        self._port = self.hello = None
+        self.reset = False
         self._set_connected(connected=False)
         port.close()
 
@@ -184,16 +200,16 @@ class BoardConnection:
             self._silent_s = 0.0
             if frame.type != FrameType.TELEMETRY or frame is newest:  # one that has waited is out of date
                 self._receive(frame, received_ns)
-            if self._hello is None:
+            if self.hello is None:
                 self._handshake.frame_received()
-        if self._silent_s > LOST_S and (self.connected or self._hello is not None):
+        if self._silent_s > LOST_S and (self.connected or self.hello is not None):
             self._lose(reset=False)
 
     def _send_due(self, now: float) -> None:
         """Send HELLO or a heartbeat if it is due."""
         if not self.understood:
             if self._handshake.due(now):
-                self._handshake.hello_sent(now, foreign=self._hello is not None)
+                self._handshake.hello_sent(now, foreign=self.hello is not None)
                 self.write_frame(encode(FrameType.HELLO, 0, b""))
         elif now - self._sent_s > HEARTBEAT_S:
             self.write_frame(encode(FrameType.PING, 0, b""))
@@ -202,7 +218,7 @@ class BoardConnection:
         """Count the board as lost and repeat the handshake, because the board may have been reset or replaced."""
         self._handshake.lost(time.monotonic())
         self._clock.restart()
-        self._hello, self._reset = None, reset
+        self.hello, self.reset = None, reset
         self._set_connected(connected=False)
 
     def _read(self, port: Port, timeout_s: float) -> bytes:
@@ -214,8 +230,8 @@ class BoardConnection:
 
     def _receive(self, frame: SerialFrame, received_ns: int) -> None:
         if frame.type == FrameType.TELEMETRY and len(frame.payload) == Telemetry.layout.size:
-            hello = self._hello
-            if hello is None or not same_contract(hello):
+            hello = self.hello
+            if hello is None or hello.contract != wire.CONTRACT:
                 self._set_connected(connected=False)
                 return
             telemetry = Telemetry.unpack(frame.payload)
@@ -229,7 +245,7 @@ class BoardConnection:
             self._set_connected(connected=True)
             self._on_telemetry(telemetry)
         elif frame.type == FrameType.HELLO_REPLY and len(frame.payload) == HelloReply.layout.size:
-            self._hello = HelloReply.unpack(frame.payload)
+            self.hello = HelloReply.unpack(frame.payload)
         else:
             self._handle(frame)
 
@@ -246,5 +262,4 @@ class BoardConnection:
         self._closed.set()
         if self._thread is not None:
             self._thread.join(timeout=2.0)
-        if self._turns is not None and self._task is not None and self._turns.schedule.remove(self._task):
-            self._end_port(self._turns.port)
+        self._end_turns()

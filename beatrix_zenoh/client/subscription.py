@@ -357,7 +357,7 @@ class CameraImage:
     height: int
     """pixels"""
     source: str
-    """origin of the picture, for example `v4l2`, `pattern` or `egl`"""
+    """origin of the picture, for example `opencv`, `pattern` or `egl`"""
     arrived_mono_ns: int
     """monotonic clock of this computer at the arrival (ns)"""
     arrived_wall_ns: int

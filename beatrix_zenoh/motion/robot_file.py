@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import math
 from collections.abc import Iterator
 from pathlib import Path
@@ -12,9 +13,8 @@ import msgspec
 from beatrix_zenoh import files
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract._generated.robot import ALLOWED, ROBOT, Range, RobotData
+from beatrix_zenoh.contract._generated.robot import ALLOWED, ROBOT, RobotData
 from beatrix_zenoh.contract.errors import QUOTED, BeatrixError, Refused, WrongUsage, quoted
-from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits import TILT_KNOWN_BEYOND, MotionLimits, known_tilt
 from beatrix_zenoh.motion.rotation import leaning
@@ -32,15 +32,13 @@ GRID, DIRECTIONS = math.radians(1.5), 48
 """Spacing of the tested poses in tilt (rad), and number of directions; the test takes about 30 ms."""
 SAME = math.radians(0.01)
 ROUNDING = 1e-9
-HOME: Arms = (0.0, 0.0, 0.0)
-AS_BUILT = (
-    "is compiled into the firmware. To build the firmware for another robot, in the folder of BEATRIX: change "
-    "schemas/robot.toml, then `make generate`, `make firmware`, `beatrix flash`. Start all nodes in that folder."
+HOME = (0.0, 0.0, 0.0)
+FIXED = (
+    "is fixed in the firmware. For another robot, in the folder of BEATRIX: change schemas/robot.toml, then `make "
+    "generate`, `make firmware`, `beatrix flash`, and start all nodes in that folder. If a motor turns the wrong way, "
+    "reverse its plug."
 )
-SIGN = "cannot be changed: reverse the plug of the motor that turns the wrong way."
-PINS = "is fixed by the firmware: see firmware/beatrix/src/mega/pins.h."
 ANGLES = "arm_angle, rod_twist and mount_angle"
-FIRMWARE = "the firmware allows no wider limit"
 
 
 def load(path: Path | None) -> RobotData:
@@ -92,11 +90,12 @@ def entries(given: dict[str, object], known: Tables) -> Iterator[tuple[str, str,
                     f"[{table}] has no {quoted(field)}. Its fields are: {', '.join(known[table])}.",
                 )
             if field not in ALLOWED[table]:
-                why = SIGN if field == "sign" else PINS if table == "pins" else AS_BUILT
-                raise Refused(Reason.BAD_VALUE, f"[{table}] {field} {why}")
-            whole = isinstance(known[table][field], int)
-            if isinstance(value, bool) or not isinstance(value, int if whole else int | float):
-                raise outside(table, field, repr(value), ALLOWED[table][field], whole=whole)
+                raise Refused(Reason.BAD_VALUE, f"[{table}] {field} {FIXED}")
+            needed = int if isinstance(known[table][field], int) else int | float
+            if isinstance(value, bool) or not isinstance(value, needed):
+                kind = "whole number" if needed is int else f"number of {ALLOWED[table][field].unit}"
+                text = f"[{table}] {field} = {repr(value)[:QUOTED]}: a {kind} is needed."
+                raise Refused(Reason.BAD_VALUE, text)
             yield table, field, value
 
 
@@ -115,46 +114,31 @@ def check(robot: RobotData, given: set[str]) -> None:
             f"{LEAST_TILT + 1:g}° are needed.",
         )
     shipped = ROBOT.limits
-    ends: dict[str, tuple[float, str]] = {
-        "tilt_max": (
-            most,
-            f"the rods reach {reach:.1f}° in every direction, and the limit must be one degree less",
-        ),
-        "gap_min": (shipped.gap_min, FIRMWARE),
-        "yaw_max": (shipped.yaw_max, FIRMWARE),
-        "speed_max": (shipped.speed_max, FIRMWARE),
-        "speed_default": (robot.limits.speed_max, "no more than speed_max"),
+    ends = {
+        "tilt_max": most,
+        "gap_min": shipped.gap_min,
+        "yaw_max": shipped.yaw_max,
+        "speed_max": shipped.speed_max,
+        "speed_default": robot.limits.speed_max,
     }
     for table in ALLOWED:
-        check_table(robot, table, given, ends if table == "limits" else {})
+        check_table(robot, table, given, ends)
 
 
-def check_table(robot: RobotData, table: str, given: set[str], ends: dict[str, tuple[float, str]]) -> None:
-    """Raise Refused if a value of one table is out of range; `ends`: limits from other values, with their reasons."""
-    for field, (low, high, unit) in ALLOWED[table].items():
+def check_table(robot: RobotData, table: str, given: set[str], ends: dict[str, float]) -> None:
+    """Raise Refused if a value of one table is out of range; `ends`: limits of fields from other values."""
+    for field, allowed in ALLOWED[table].items():
         value = getattr(getattr(robot, table), field)
-        end, why = ends.get(field, (0.0, ""))
-        allowed = Range(end if low == -math.inf else low, end if high == math.inf else high, unit)
+        low, high = (ends.get(field, end) if math.isinf(end) else end for end in allowed[:2])
         whole = isinstance(value, int)
-        fits = value in allowed[:2] if whole else allowed.low <= value <= allowed.high
-        if not fits:
-            text = f"{value}" + ("" if field in given else ", the default value")
-            raise outside(table, field, text, allowed, why, whole=whole)
-
-
-def outside(table: str, field: str, value: str, allowed: Range, why: str = "", *, whole: bool) -> Refused:
-    """Return the error for a value out of range."""
-    low, high, unit = allowed
-    if whole:
-        text = f"{low} or {high} is allowed"
-    elif math.isfinite(low + high):
-        shown = unit.replace("deg", "°") if unit.startswith("deg") else f" {unit}".rstrip()
-        text = f"{low:g} to {high:g}{shown} is allowed"
-    else:
-        shown = unit.replace("deg", "degrees")
-        text = f"a number of {shown} is needed"
-    because = f" ({why})" if why else ""
-    return Refused(Reason.BAD_VALUE, f"[{table}] {field} = {value[:QUOTED]}: {text}{because}.")
+        if value in (low, high) if whole else low <= value <= high:
+            continue
+        raise Refused(
+            Reason.BAD_VALUE,
+            f"[{table}] {field} = {value}{'' if field in given else ', the default value'}: {low:g} "
+            f"{'or' if whole else 'to'} {high:g} {allowed.unit} is allowed"
+            + (": the firmware, the rods or another value allow no wider limit." if field in ends else "."),
+        )
 
 
 def check_motions(robot: RobotData) -> None:
@@ -165,8 +149,8 @@ def check_motions(robot: RobotData) -> None:
         if snaps is None:
             limits = MotionLimits(robot)
             speed = (limits.default_speed,) * 3
-            for yaw, pitch, roll in near_home():
-                limits.check_motion(HOME, HOME, neck.inverse(yaw, pitch, roll), speed, straight=True)
+            for pose in itertools.product((-NEAR, 0.0, NEAR), repeat=3):
+                limits.check_motion(HOME, HOME, neck.inverse(*pose), speed, straight=True)
     except BeatrixError as error:
         field = (
             f"[limits] gap_min = {robot.limits.gap_min:g}"
@@ -202,11 +186,3 @@ def is_unique(neck: Neck, pitch: float, roll: float) -> bool:
     except BeatrixError:
         return False
     return math.dist(there, (0.0, pitch, roll)) < SAME
-
-
-def near_home() -> Iterator[Arms]:
-    """Yield poses (rad) close to home, in all directions."""
-    for yaw in (-NEAR, NEAR):
-        for pitch in (-NEAR, 0.0, NEAR):
-            for roll in (-NEAR, 0.0, NEAR):
-                yield yaw, pitch, roll

@@ -55,9 +55,7 @@ class Trajectory(msgspec.Struct, frozen=True, dict=True):
     target: Arms
     """rad"""
     profiles: tuple[_Profile, ...]
-    """the motions of the arms, or with `shares` that of the arm with the longest distance"""
-    shares: Arms | None = None
-    """the motion of each arm as a share of the one profile, which begins at 0; None: each arm has a profile"""
+    """the motions of the arms"""
 
     @property
     def duration(self) -> float:
@@ -67,17 +65,12 @@ class Trajectory(msgspec.Struct, frozen=True, dict=True):
     @property
     def lengths(self) -> Arms:
         """Lengths of the paths of the arms (rad)."""
-        if self.shares is not None:
-            way, (a, b, c) = _length(self.profiles[0]), self.shares
-            return way * abs(a), way * abs(b), way * abs(c)
         one, two, three = self.profiles
         return _length(one), _length(two), _length(three)
 
     @cached_property
     def sections(self) -> tuple[Section, ...]:
         """Parts in which all arms have constant accelerations. Computed when read: a short motion does not need them."""
-        if self.shares is not None:
-            return _shared(self.profiles[0], self.start, self.shares)
         return _sections(self.profiles)
 
     def at(self, t: float) -> tuple[Arms, Arms]:
@@ -122,9 +115,13 @@ def plan(
     travel = (target[0] - start[0], target[1] - start[1], target[2] - start[2])
     longest = max(map(abs, travel))
     if straight and longest and velocity == _REST:
-        shares = (travel[0] / longest, travel[1] / longest, travel[2] / longest)
         leader = _profile(0.0, 0.0, longest, speed[0], acceleration)
-        return Trajectory(start, target, (leader,), shares)
+        shares = zip(start, (way / longest for way in travel), strict=True)
+        profiles = (
+            tuple((t, arm + share * p, share * v, share * rate) for t, p, v, rate in leader)
+            for arm, share in shares
+        )
+        return Trajectory(start, target, tuple(profiles))
     if straight and longest:
         x, y, z = (speed[0] * max(_SLOWEST_SHARE, abs(way) / longest) for way in travel)
         speed = (x, y, z)
@@ -156,22 +153,6 @@ def _profile(start: float, velocity: float, target: float, speed: float, acceler
             pieces.append((t, p, v, rate))
             t, p, v = t + duration, p + (v + rate * duration / 2) * duration, v + rate * duration
     return (*pieces, (t, target, 0.0, 0.0))
-
-
-def _shared(leader: _Profile, start: Arms, shares: Arms) -> tuple[Section, ...]:
-    """Return the sections of all arms: the profile of the leading arm, scaled by the share of each arm."""
-    (x, y, z), (a, b, c) = start, shares
-    return tuple(
-        Section(
-            t,
-            following - t,
-            (x + a * p, y + b * p, z + c * p),
-            (a * v, b * v, c * v),
-            (a * rate, b * rate, c * rate),
-        )
-        for (t, p, v, rate), (following, *_) in itertools.pairwise(leader)
-        if following - t > _SHORTEST
-    )
 
 
 def _length(profile: _Profile) -> float:

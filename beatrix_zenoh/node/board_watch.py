@@ -6,9 +6,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from beatrix_zenoh.board.board import Board
-from beatrix_zenoh.board.state import NO_TELEMETRY, Turns
+from beatrix_zenoh.board.state import NO_TELEMETRY
 from beatrix_zenoh.bus import Sessions
-from beatrix_zenoh.contract._generated import messages as msg
 from beatrix_zenoh.contract._generated.messages import Fault
 from beatrix_zenoh.contract._generated.serial import BoardState, Telemetry, Text, TextWarning
 from beatrix_zenoh.node.access import Access
@@ -61,38 +60,30 @@ class BoardWatch(Component):
 
     def start(self, sessions: Sessions) -> None:  # noqa: ARG002
         port = self._hardware.timed_port()
-        self.board.start(None if port is None else Turns(self._schedule, self._owner, port))
+        if port is None:
+            self.board.start()
+        else:
+            self.board.start_turns(self._schedule, self._owner, port)
         self.board.wait_for(lambda _: True, BOARD_READY_S)
 
     def contribute(self, status: StatusFields) -> None:
-        telemetry, link = self.board.telemetry or NO_TELEMETRY, self.board.link
-        state = telemetry.state if link.connected else 0
+        telemetry, board = self.board.telemetry or NO_TELEMETRY, self.board.status()
+        state = telemetry.state if board.connected else 0
         status.values |= {
             "enabled": bool(state & BoardState.ENABLED),
             "calibrated": bool(state & BoardState.CALIBRATED),
             "moving": bool(state & BoardState.MOVING),
             "motion": telemetry.motion,
             "fault": self._fault(telemetry),
-            "board": msg.BoardStatus(
-                connected=link.connected,
-                port=link.port,
-                name=link.name,
-                firmware=link.version,
-                contract="" if link.hello is None else f"{link.hello.contract:08x}",
-                boot=link.boot,
-                rejected_frames=link.rejected + telemetry.rejected,
-                retries=link.retries,
-                overflowed_bytes=link.overflowed,
-            ),
+            "board": board,
         }
-        if link.trouble:
-            status.warnings.insert(0, link.trouble)
+        if trouble := self.board.trouble:
+            status.warnings.insert(0, trouble)
 
     def _fault(self, telemetry: Telemetry) -> Fault:
-        link = self.board.link
-        if link.contract_differs:
+        if self.board.contract_differs:
             return Fault.CONTRACT_MISMATCH
-        if not link.connected:
+        if not self.board.connected:
             return Fault.BOARD_LOST
         if telemetry.state & BoardState.EMERGENCY or self._access.latched:
             return Fault.EMERGENCY

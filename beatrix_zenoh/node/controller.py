@@ -232,7 +232,7 @@ class MotionController:
 
     def _observe_running(self, running: Running, telemetry: Telemetry, *, lost: bool) -> None:
         if lost or telemetry.boot != running.boot:
-            reset = self.board.link.reset or not lost
+            reset = self.board.reset or not lost
             self._end(running, Reason.BOARD_LOST, RESET if reset else SILENT)
         elif telemetry.state & BoardState.MOVING:
             return

@@ -62,7 +62,7 @@ class ArmState:
 
 
 class HardwareInterface(Protocol):
-    """A robot: a board on a port, with real or simulated physics."""
+    """A robot: a board on a port, with real or simulated physics. A subclass overrides what it has."""
 
     @property
     def side(self) -> str:
@@ -77,18 +77,23 @@ class HardwareInterface(Protocol):
 
     def timed_port(self) -> TimedPort | None:
         """Return the port of a virtual board, whose time passes from now on in turns; None for a real board."""
+        return None
 
     def pose(self, telemetry: Telemetry, t_mono_ns: int) -> ArmState:
         """Return the pose of the arms: measured if possible, else from the telemetry, which is of `t_mono_ns`."""
 
     def straighten(self) -> None:
         """Set a simulated head upright before calibration; on hardware a person does this."""
+        return
 
     def plant(self) -> PlantStatus | None:
         """Return the state of the simulated physics; None for hardware."""
+        return None
 
     def fault(self) -> Fault:
         """Return the fault of the robot other than a fault of its board."""
+        return Fault.NONE
 
     def close(self) -> None:
         """Stop the simulated physics or the virtual board, if there is one."""
+        return

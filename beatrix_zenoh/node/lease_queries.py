@@ -28,14 +28,8 @@ from beatrix_zenoh.node.controller import MotionController, StopCause
 from beatrix_zenoh.node.interfaces import Component, StatusFields
 from beatrix_zenoh.node.requests import RequestHandle, Requests, check_own_key
 
-GOVERNS: Final = (
-    LeaseAction.FREEZE,
-    LeaseAction.UNFREEZE,
-    LeaseAction.LIMIT,
-    LeaseAction.TURN,
-    LeaseAction.MUTE,
-    LeaseAction.UNMUTE,
-)
+OF_SEATS: Final = (LeaseAction.TAKE, LeaseAction.WAIT, LeaseAction.GIVE_BACK)
+"""What every seat may ask for; the rest is for the teacher."""
 MUTED_MAX: Final = 256
 """Largest number of muted seats."""
 
@@ -79,12 +73,6 @@ def take(access: Access, caller: Caller, now_s: float, *, wait: bool = False, te
         return access.lease.take(caller, now_s, terms)
 
 
-def give_back(access: Access, caller: Caller) -> bool:
-    """Return the result of `RobotLease.give_back` for the caller's seat, called with the lock held."""
-    with access.lock:
-        return access.lease.give_back(caller)
-
-
 def mute(access: Access, seat: str, now_s: float) -> None:
     """Mute a seat; end its lease and its place in the queue."""
     with access.lock:
@@ -92,12 +80,6 @@ def mute(access: Access, seat: str, now_s: float) -> None:
         access.lease.end(seat)
         if access.lease.motion.holder(now_s) == seat:
             access.lease.motion.release(now_s)
-
-
-def unmute(access: Access, seat: str) -> None:
-    """End the mute of a seat."""
-    with access.lock:
-        access.teacher.muted -= {seat}
 
 
 def end_turn(access: Access, now_s: float) -> str:
@@ -119,13 +101,6 @@ def _turn_s(longest_s: float) -> float:
     return longest_s
 
 
-def set_turn(access: Access, longest_s: float) -> str:
-    """Set the length (s) of a turn while seats wait, 0: the default; return it as a sentence. Raises WrongUsage."""
-    with access.lock:
-        access.lease.turn.limit_s = _turn_s(longest_s) or TURN_S
-        return f"While seats wait, a turn lasts at most {access.lease.turn.limit_s:.0f} s."
-
-
 class LeaseHandler(Component):
     """Answers lease queries; each is carried out on the controller's thread."""
 
@@ -140,10 +115,7 @@ class LeaseHandler(Component):
 
     def contribute(self, status: StatusFields) -> None:
         now = standing(self._access, time.monotonic())
-        status.values["holder"] = now.holder
-        status.values["lease"] = now.lease
-        status.values["waiting"] = list(now.waiting)
-        status.values["turn_s"] = now.turn_s
+        status.values |= {**now._asdict(), "waiting": list(now.waiting)}
         with self._access.lock:
             turn = self._access.lease.turn
             over, turn.over = turn.over, ""
@@ -176,7 +148,7 @@ class LeaseHandler(Component):
 
     def _run(self, query: LeaseQuery, handle: RequestHandle) -> None:
         try:
-            if query.action in GOVERNS:
+            if query.action not in OF_SEATS:
                 self._access.authorize(Operation.GOVERN, handle.caller, time.monotonic())
                 text = self._govern(query)
                 self._keep()
@@ -218,7 +190,9 @@ class LeaseHandler(Component):
             if self._controller.running is None or self._drives(holder):
                 self._stop(StopCause.SKIPPED)
             return f"The turn of {holder} has ended; {following or 'no seat'} holds the robot now."
-        if give_back(access, caller):
+        with access.lock:
+            given_back = access.lease.give_back(caller)
+        if given_back:
             return "The lease or the place in the queue has ended."
         return "This seat neither holds the robot nor waits for it."
 
@@ -228,7 +202,9 @@ class LeaseHandler(Component):
         if query.action in (LeaseAction.MUTE, LeaseAction.UNMUTE):
             return self._mute(query.seat, on=query.action is LeaseAction.MUTE)
         if query.action is LeaseAction.TURN:
-            return set_turn(access, query.longest_s)
+            with access.lock:
+                access.lease.turn.limit_s = _turn_s(query.longest_s) or TURN_S
+                return f"While seats wait, a turn lasts at most {access.lease.turn.limit_s:.0f} s."
         if query.action is LeaseAction.LIMIT:
             planner.limit_speed(query.speed)
             text = "The speed limit of the teacher has ended; the robot's own limit applies."
@@ -251,7 +227,8 @@ class LeaseHandler(Component):
         if names.check_seat(seat) == names.TEACHER:
             raise WrongUsage(Reason.BAD_VALUE, "The teacher cannot be muted. Give the seat of a student.")
         if not on:
-            unmute(access, seat)
+            with access.lock:
+                access.teacher.muted -= {seat}
             return f"{seat} is not muted and may move the robot."
         if seat not in access.teacher.muted and len(access.teacher.muted) >= MUTED_MAX:
             raise refusals.queue_full(MUTED_MAX)

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import Final
 
 from beatrix_zenoh.contract._generated.messages import Detail, EventKind, Phase, Reason, Source
-from beatrix_zenoh.contract._generated.serial import BoardState
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.contract.names import OLD_PROGRAMS
 from beatrix_zenoh.node.access import TEXT_SESSION, Operation
@@ -39,12 +38,6 @@ class Driving:
     ) -> None:
         self._events, self._controller, self._hardware = events, controller, hardware
         self._access, self._board, self._has_router = controller.access, controller.board, has_router
-        self._moved = False
-        """Whether the arms have moved since a motion was last authorised."""
-
-    def observe(self) -> None:
-        """Handle a change of the board: its arms may have begun to move."""
-        self._moved |= self._controller.text_moves and bool(self._board.state & BoardState.MOVING)
 
     def program_began(self) -> None:
         """End motions and pause of a stopped program: another program has opened the port."""
@@ -73,14 +66,7 @@ class Driving:
             raise Refused(Reason.BUSY, detail=Detail(holder=controller.running.caller.seat))
         access.take(CALLER)
         controller.last_goal = None
-        controller.text_moves, self._moved = True, False
-
-    def has_moved(self) -> bool:
-        """Return whether a motion that the firmware refused or ended has moved an arm; if not, undo its lease."""
-        if self._controller.text_moves and not self._moved:
-            self._controller.text_moves = False
-            self._access.undo_take()
-        return self._moved
+        controller.text_moves = True
 
     def moves_ended(self) -> None:
         """Record that no motion of the program is running or waiting, so that its lease expires."""
@@ -107,7 +93,6 @@ class Driving:
         error: BeatrixError | None = None,
         *,
         since_s: float | None = None,
-        remark: str = "",
         silent: bool = False,
     ) -> None:
         """Record the outcome of a line as an event, and warn of an error.
@@ -117,10 +102,9 @@ class Driving:
             operation: what it does; None: nothing, and it is not recorded.
             error: why it was not carried out.
             since_s: time at which it was sent and now has ended; None: it begins now, or was refused before.
-            remark: how it was changed.
             silent: do not warn.
         """
-        why, text = error.message if error else remark, line.decode("ascii", "replace")
+        why, text = error.message if error else "", line.decode("ascii", "replace")
         if why and not silent:
             self.warn(why)
         if operation is None:

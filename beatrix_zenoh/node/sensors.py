@@ -3,7 +3,7 @@
 `Sensor` is a thread that reads a device only while a client subscribes, and survives its failures.
 
 A component that makes pictures (the renderer of a simulation, or the thread of a USB camera) has a publisher for each
-camera; microphones, with a `SoundBlock` in place of a picture, and every other sensor use one in the same way:
+camera; microphones, with a `sound_block` in place of a picture, and every other sensor use one in the same way:
 
     self._wake = threading.Event()
     self._left = camera_publisher(key, events, "egl", self._wake.set)
@@ -16,7 +16,7 @@ camera; microphones, with a `SoundBlock` in place of a picture, and every other 
             self._wake.wait()       # until a client subscribes
             self._wake.clear()
             continue
-        self._left.publish(CameraFrame(jpeg, 640, 480, t_mono_ns, "egl"))
+        self._left.publish(picture(jpeg, 640, 480, t_mono_ns, "egl"))
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from abc import abstractmethod
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final, Generic, Protocol, TypeVar
+from typing import Final, NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
 from msgspec import Struct
 from msgspec.structs import replace
 
+from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Publication, Sessions
 from beatrix_zenoh.contract import codec, names
 from beatrix_zenoh.contract._generated.messages import (
@@ -69,26 +69,33 @@ Samples = npt.NDArray[np.floating]
 """Sound pressure, shape (frames, 2), left first; -1 to 1 is what 16 bits can hold."""
 
 
-@dataclass(frozen=True)
-class SoundBlock:
-    """A block of sound."""
+class SensorFrame(NamedTuple):
+    """What a sensor delivers: a picture or a block of sound, and its header, which `SensorPublisher` numbers."""
 
-    samples: bytes
-    """BLOCK frames of two int16, little-endian, left first"""
-    t_mono_ns: int
-    """monotonic clock of this computer at the first frame"""
-    source: str
-    """`device`, `file`, `tone` or `simulation`"""
-    dropped: int = 0
-    """frames that were lost before they reached the node, since the source was made"""
+    payload: bytes
+    header: FrameHeader | SoundHeader
 
-    def sent(self) -> tuple[bytes, SoundHeader]:
-        """Return payload and header, which `SensorPublisher` numbers."""
-        dropped = self.dropped % _SEQS
-        header = SoundHeader(
-            seq=0, t_mono_ns=self.t_mono_ns, t_wall_ns=0, rate=RATE, dropped=dropped, source=self.source
-        )
-        return self.samples, header
+
+def picture(jpeg: bytes, width: int, height: int, t_mono_ns: int, source: str) -> SensorFrame:
+    """Return a picture of this size (pixels).
+
+    `t_mono_ns`: monotonic clock of this computer at the exposure, or at the time of the rendered state. `source`:
+    `opencv`, `pattern`, `file`, `egl`, `osmesa` or `rays`.
+    """
+    header = FrameHeader(seq=0, t_mono_ns=t_mono_ns, t_wall_ns=0, width=width, height=height, source=source)
+    return SensorFrame(jpeg, header)
+
+
+def sound_block(samples: bytes, t_mono_ns: int, source: str, dropped: int = 0) -> SensorFrame:
+    """Return a block of sound: BLOCK frames of two int16, little-endian, left first.
+
+    `t_mono_ns`: monotonic clock of this computer at the first frame. `source`: `device`, `file`, `tone` or
+    `simulation`. `dropped`: frames that were lost before they reached the node, since the source was made.
+    """
+    header = SoundHeader(
+        seq=0, t_mono_ns=t_mono_ns, t_wall_ns=0, rate=RATE, dropped=dropped % _SEQS, source=source
+    )
+    return SensorFrame(samples, header)
 
 
 def to_pcm(samples: Samples) -> bytes:
@@ -131,44 +138,6 @@ class BlockClock:
 
 
 @dataclass(frozen=True)
-class CameraFrame:
-    """One picture."""
-
-    jpeg: bytes
-    width: int
-    """pixels"""
-    height: int
-    """pixels"""
-    t_mono_ns: int
-    """monotonic clock of this computer at the exposure, or at the time of the rendered state"""
-    source: str
-    """`v4l2`, `opencv`, `pattern`, `file`, `egl`, `osmesa` or `rays`"""
-
-    def sent(self) -> tuple[bytes, FrameHeader]:
-        """Return payload and header, which `SensorPublisher` numbers."""
-        header = FrameHeader(
-            seq=0,
-            t_mono_ns=self.t_mono_ns,
-            t_wall_ns=0,
-            width=self.width,
-            height=self.height,
-            source=self.source,
-        )
-        return self.jpeg, header
-
-
-class SensorFrame(Protocol):
-    """What a sensor delivers: a picture, a block of sound, or a measurement."""
-
-    @property
-    def t_mono_ns(self) -> int:
-        """Monotonic clock of this computer at that time."""
-
-    def sent(self) -> tuple[bytes, Struct]:
-        """Return payload, and the header with fields `seq` and `t_wall_ns`, which the publisher fills in."""
-
-
-@dataclass(frozen=True)
 class SensorKind:
     """What a publisher has to know about a sensor."""
 
@@ -188,7 +157,12 @@ class SensorPublisher:
     """Publishes the frames of one sensor; one thread may publish, any thread may read the status."""
 
     def __init__(
-        self, key: str, events: NodeEvents, kind: SensorKind, state: Struct, on_subscribed: Callable[[], None]
+        self,
+        key: str,
+        events: NodeEvents,
+        kind: SensorKind,
+        state: Struct,
+        on_subscribed: Callable[[], None] = lambda: None,
     ) -> None:
         """Store the arguments; `start` declares the publication.
 
@@ -200,7 +174,7 @@ class SensorPublisher:
                 Fields that the headers of its frames have, too, follow them.
             on_subscribed: called when `subscribed` may have changed; may run on Zenoh's thread, must return at once.
         """
-        self._key, self._events, self._kind, self._on_subscribed = key, events, kind, on_subscribed
+        self._key, self._events, self._kind, self.on_subscribed = key, events, kind, on_subscribed
         self._publication: Publication | None = None
         self._lock = threading.Lock()
         self._times_s: deque[float] = deque()
@@ -210,7 +184,7 @@ class SensorPublisher:
 
     def start(self, sessions: Sessions) -> None:
         """Declare the publication."""
-        self._publication = sessions.publication(self._key, self._kind.encoding, self._on_subscribed)
+        self._publication = sessions.publication(self._key, self._kind.encoding, self.on_subscribed)
 
     @property
     def subscribed(self) -> bool:
@@ -222,9 +196,8 @@ class SensorPublisher:
         if self._publication is None:
             return
         self._seq = (self._seq + 1) % _SEQS
-        payload, unnumbered = frame.sent()
-        t_wall_ns = frame.t_mono_ns + time.time_ns() - time.monotonic_ns()
-        header = replace(unnumbered, seq=self._seq, t_wall_ns=t_wall_ns)
+        t_wall_ns = frame.header.t_mono_ns + time.time_ns() - time.monotonic_ns()
+        header = replace(frame.header, seq=self._seq, t_wall_ns=t_wall_ns)
         self.report("")
         self._switch(on=True)
         now_s = time.monotonic()
@@ -234,7 +207,7 @@ class SensorPublisher:
             shared = {*header.__struct_fields__}.intersection(self._state.__struct_fields__)
             self._state = replace(self._state, **{name: getattr(header, name) for name in shared})
         # Publish last, so that a client that has the frame reads a status that includes it.
-        self._publication.put(payload, codec.encode(header))
+        self._publication.put(frame.payload, codec.encode(header))
 
     def ended(self) -> None:
         """Report that the sensor is off; the sensor calls it when no client subscribes any more."""
@@ -289,7 +262,7 @@ class SensorPublisher:
 
 
 def camera_publisher(
-    key: str, events: NodeEvents, source: str, on_subscribed: Callable[[], None]
+    key: str, events: NodeEvents, source: str, on_subscribed: Callable[[], None] = lambda: None
 ) -> SensorPublisher:
     """Return the publisher of a camera; the key ends with `left` or `right`, of simulations also with `outside`."""
     eye = key.rpartition("/")[2]
@@ -298,13 +271,11 @@ def camera_publisher(
     return SensorPublisher(key, events, kind, state, on_subscribed)
 
 
-def microphones_publisher(
-    key: str, events: NodeEvents, source: str, on_subscribed: Callable[[], None], *, announce: bool
-) -> SensorPublisher:
+def microphones_publisher(key: str, events: NodeEvents, source: str, *, announce: bool) -> SensorPublisher:
     """Return the publisher of both microphones; `announce`: an event says when real ones are switched on and off."""
     kind = SensorKind(TITLE, TITLE, EventKind.MICROPHONES, PCM, switched=SWITCHED if announce else None)
     state = MicrophonesStatus(connected=False, streaming=False, rate=RATE, source=source)
-    return SensorPublisher(key, events, kind, state, on_subscribed)
+    return SensorPublisher(key, events, kind, state)
 
 
 CHECK_S: Final = 1.0
@@ -316,11 +287,8 @@ SILENT_S: Final = 3.0
 
 log = logging.getLogger(__name__)
 
-T = TypeVar("T", bound=SensorFrame)
-T_co = TypeVar("T_co", covariant=True)
 
-
-class SensorSource(Protocol[T_co]):
+class SensorSource(Protocol):
     """A camera, two microphones, what stands in for them, or simulated ones; used by one thread.
 
     `open` and `next` raise NoAnswer, with a message that says what to do, if there are no frames.
@@ -336,38 +304,37 @@ class SensorSource(Protocol[T_co]):
     def open(self) -> None:
         """Start taking frames."""
 
-    def next(self, timeout_s: float) -> T_co | None:
+    def next(self, timeout_s: float) -> SensorFrame | None:
         """Wait for the next frame and return it; None if none arrives within `timeout_s`."""
 
     def close(self) -> None:
         """Stop taking frames; may be called twice, and after `open` has failed."""
 
 
-class Sensor(Component, Generic[T]):
+class Sensor(Component):
     """Publishes the frames of a source; its failures do not affect the rest of the node."""
-
-    check_s: float | None = CHECK_S
-    """Period (s) of the check of a source that is not in use; None: it is always present."""
 
     def __init__(
         self,
         title: str,
-        source: SensorSource[T],
+        source: SensorSource,
         publisher: SensorPublisher,
-        wake: threading.Event,
         silence: str,
+        check_s: float | None = CHECK_S,
     ) -> None:
         """Store the arguments; `start` starts the thread.
 
         Args:
             title: the sensor in the log.
             source: where the frames come from.
-            publisher: publishes them; sets `wake` when a client subscribes.
-            wake: wakes the thread.
+            publisher: publishes them.
             silence: a sentence for a device that is present and delivers nothing for SILENT_S.
+            check_s: period of the check of a source that is not in use; None: it is always present.
         """
         self._title, self._source, self._publisher = title, source, publisher
-        self._wake, self._silence = wake, silence
+        self._silence, self._check_s = silence, check_s
+        self._wake = threading.Event()
+        publisher.on_subscribed = self._wake.set
         self._failed = ""
         """the last unexpected error"""
         self._closed = False
@@ -375,16 +342,12 @@ class Sensor(Component, Generic[T]):
 
     def start(self, sessions: Sessions) -> None:
         self._publisher.start(sessions)
-        self._thread = self.start_thread()
-
-    @abstractmethod
-    def start_thread(self) -> threading.Thread:
-        """Start the thread that calls `run`."""
+        self._thread = threads.start(self._run, self._title)
 
     def contribute(self, status: StatusFields) -> None:
         self._publisher.contribute(status)
 
-    def run(self) -> None:
+    def _run(self) -> None:
         """Publish frames until the sensor is closed."""
         seen: str | None = None
         while not self._closed:
@@ -397,7 +360,7 @@ class Sensor(Component, Generic[T]):
             wanted = not trouble and self._publisher.subscribed
             if wanted and self._take():
                 continue
-            self._wake.wait(CHECK_S if wanted else self.check_s)
+            self._wake.wait(CHECK_S if wanted else self._check_s)
             self._wake.clear()
 
     def _take(self) -> bool:

@@ -1,14 +1,12 @@
 """A process that serves robots: the wait for the router, a clean end on a signal.
 
-Of several robots in one process, one that fails is started anew, while the others go on.
+Of several robots in one process, one that fails is closed, while the others go on.
 """
 
 from __future__ import annotations
 
 import gc
 import logging
-import os
-import queue
 import sys
 import threading
 import time
@@ -16,14 +14,14 @@ import traceback
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Final, Protocol
+from typing import Final
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import files, threads
 from beatrix_zenoh.bus import Bus, ProcessSessions, Sessions
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
-from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, WrongUsage
+from beatrix_zenoh.contract.errors import NoAnswer, Refused, WrongUsage
 from beatrix_zenoh.legacy import Terminal
 from beatrix_zenoh.logs import log_to
 from beatrix_zenoh.node.node import Node, RobotBody
@@ -37,13 +35,9 @@ RETRY_S, REFUSED_S = 0.5, 5.0
 KEPT = "robots"
 """Folder, inside that of the user, with the teacher's decisions about each robot."""
 CLOSE_S: Final = 0.4
-"""Time (s) that a failed robot gets to reply to open requests, before its name is freed for the new one."""
+"""Time (s) that a failed robot gets to reply to open requests, before its name is freed."""
 END_S: Final = 4.0
 """Longest time (s) for the end of all robots."""
-FREED_S, FREE_POLL_S = 5.0, 0.05
-"""Longest time (s) until the router has freed the name of a robot that was closed, and the pause between attempts."""
-AGAIN_S: Final = 60.0
-"""A robot that fails twice within this time (s) stays down."""
 SIM: Final = "sim"
 """Side of several robots of one process; a hardware node serves one."""
 SWITCH_S = 0.0005
@@ -79,56 +73,27 @@ def serve(
     shutdown = Shutdown()
     shutdown.handle_signals()
     sys.setswitchinterval(SWITCH_S)
-    with log_to(log_file, named=len(names) > 1):
+    alone = len(names) == 1
+    with log_to(log_file, named=not alone):
         sessions = _connect(settings, names, shutdown)
         if sessions is None:
             return 0
-
-        def open_node(name: str, robots: Robots | None = None, warning: str = "") -> Node:
-            clock = robots.clock if robots else None
-            own = Sessions(sessions.connect, sessions) if robots else Sessions(sessions)
-            node = _open(own, build(name), name, robot, legacy, clock, warning)
-            _begin(node, legacy, ready=ready)
-            return node
-
+        robots = Robots(shutdown)
         try:
-            if len(names) == 1:
-                return _serve_one(lambda: open_node(names[0]), shutdown)
-            _check_free(names, sessions.control)
-            return _serve_several(names, open_node, shutdown)
+            if not alone:
+                _check_free(names, sessions.control)
+            for name in names:
+                if not shutdown.requested(0):
+                    own = Sessions(sessions) if alone else Sessions(sessions.connect, sessions)
+                    node = _open(own, build(name), name, robot, legacy, None if alone else robots.clock)
+                    _begin(node, legacy, ready=ready)
+                    robots.nodes[name] = node
+            gc.freeze()  # without this, garbage collection would stop all threads for milliseconds
+            shutdown.wait()
         finally:
+            robots.close()
             sessions.close()
-
-
-def _serve_one(open_node: Callable[[], Node], shutdown: Shutdown) -> int:
-    """Serve a robot; an uncaught exception in a thread ends it, because it would answer only some requests."""
-    broken = _handle_exceptions(shutdown)
-    node = open_node()
-    try:
-        gc.freeze()  # without this, garbage collection would stop all threads for milliseconds
-        shutdown.wait()
-    finally:
-        node.close()
-    return FAULT if broken else 0
-
-
-def _serve_several(names: Sequence[str], open_node: OpenNode, shutdown: Shutdown) -> int:
-    """Serve robots; an uncaught exception in a thread of one robot replaces it, one in another thread ends all."""
-    robots = Robots(open_node)
-    broken = _handle_exceptions(shutdown, robots)
-    try:
-        for name in names:
-            if not shutdown.requested(0):
-                robots.start(name)
-        gc.freeze()  # as above
-        shutdown.wait()
-    finally:
-        robots.close()
-    code = FAULT if broken or robots.failed else 0
-    if robots.hung:
-        sys.stdout.flush()
-        os._exit(code)  # Python would wait for threads that hang
-    return code
+    return FAULT if robots.failed else 0
 
 
 def _check_free(names: Sequence[str], bus: Bus) -> None:
@@ -143,35 +108,15 @@ def _check_free(names: Sequence[str], bus: Bus) -> None:
         )
 
 
-def _handle_exceptions(shutdown: Shutdown, robots: Robots | None = None) -> list[threading.ExceptHookArgs]:
-    """Handle uncaught exceptions in threads: one in a thread of a robot of `robots` replaces the robot.
-
-    Any other is printed, appended to the list that is returned, and ends the process.
-    """
-    broken: list[threading.ExceptHookArgs] = []
-
-    def handle(died: threading.ExceptHookArgs) -> None:
-        owner, error = threads.OWNER.get(), died.exc_value
-        if robots is not None and owner is not None and error is not None:
-            robots.fail(owner, error)
-            return
-        traceback.print_exception(died.exc_type, error, died.exc_traceback)
-        broken.append(died)
-        shutdown.request()
-
-    threading.excepthook = handle
-    return broken
-
-
 def _begin(node: Node, legacy: Path | None, *, ready: bool) -> None:
     """Make the robot ready if this is wanted, then print that the node serves; close a node for which this fails."""
     with ExitStack() as undo:
         undo.callback(node.close)
         if ready:
             node.make_ready()
-        link = node.board.link
+        board = node.board
         without = (
-            "" if link.connected else " (unusable firmware)" if link.contract_differs else " (no board yet)"
+            "" if board.connected else " (unusable firmware)" if board.contract_differs else " (no board yet)"
         )
         print(f"ready {node.alive_key}{without}", flush=True)
         if legacy is not None:
@@ -186,12 +131,8 @@ def _open(
     robot: RobotData,
     legacy: Path | None,
     clock: Schedule | None,
-    warning: str,
 ) -> Node:
-    """Return a started node; if it cannot start, close `sessions`, `hardware` and the terminal.
-
-    `warning` is in its status from the beginning; empty: none.
-    """
+    """Return a started node; if it cannot start, close `sessions`, `hardware` and the terminal."""
     with ExitStack() as undo:
         undo.callback(hardware.close)
         undo.callback(sessions.close)
@@ -199,9 +140,6 @@ def _open(
         if terminal is not None:
             undo.callback(terminal.close)
         node = Node(sessions, name, hardware, robot, terminal, files.user_folder() / KEPT, clock)
-        if warning:
-            with threads.owned_by(node.owner):
-                node.controller.diagnostics.warn(warning, Reason.FAULT)
         node.start()
         undo.pop_all()
         return node
@@ -227,103 +165,58 @@ def _connect(settings: Settings, names: Sequence[str], shutdown: Shutdown) -> Pr
                 return None
 
 
-class OpenNode(Protocol):
-    """Starts a node that uses the threads of `Robots`, with a warning in its status from the beginning."""
-
-    def __call__(self, name: str, robots: Robots, warning: str) -> Node: ...
-
-
 class Robots:
     """The nodes of a process by name, and the thread `clock`, which advances boards and plants and publishes for all.
 
-    Each node has its own threads for requests and for STOP, so that no robot waits for the requests to another one.
+    Each node has its own threads for requests and for STOP, so that no robot waits for the requests to another one. A
+    robot with an uncaught exception would answer only some requests, so it is closed; without other robots the process
+    ends, as after an exception in a thread of no robot.
     """
 
-    def __init__(self, open_node: OpenNode) -> None:
-        """Start the threads that serve all robots."""
-        self._open_node = open_node
+    def __init__(self, shutdown: Shutdown) -> None:
+        """Handle the uncaught exceptions of all threads from now on."""
+        self._shutdown = shutdown
+        self.nodes: dict[str, Node] = {}
         self.failed = False
-        """Whether a robot is down because it has failed."""
-        self.hung = False
-        """Whether a thread of the process hangs in code that cannot be ended."""
-        self._nodes: dict[str, Node] = {}
-        self._failed_s: dict[str, float] = {}
-        self._closing = threading.Event()
-        self._faults: queue.SimpleQueue[tuple[Owner, BaseException] | None] = queue.SimpleQueue()
-        self.clock = Schedule("clock", self.fail)
-        self._thread = threads.start(self._run, "robots")
+        """Whether there was an uncaught exception."""
+        self.clock = Schedule("clock", self._fail)
+        threading.excepthook = self._handle
 
-    def start(self, name: str, warning: str = "") -> None:
-        """Start the robot of this name, with a warning in its status; raises the errors of `open_node`."""
-        self._nodes[name] = self._open_node(name, self, warning)
+    def _handle(self, died: threading.ExceptHookArgs) -> None:
+        if died.exc_value is not None:
+            self._fail(threads.OWNER.get(), died.exc_value)
 
-    def fail(self, owner: Owner, error: BaseException) -> None:
-        """Replace a robot that has failed; any thread may call this."""
-        self._faults.put((owner, error))
-
-    # -- on the thread of this object ---------------------------------------------------------------
-
-    def _run(self) -> None:
-        while (fault := self._faults.get()) is not None:
-            self._replace(*fault)
-
-    def _replace(self, owner: Owner, error: BaseException) -> None:
-        """Close a robot that has failed, and start it anew unless it has failed just before."""
-        name, node = owner.name, self._nodes.get(owner.name)
-        if node is None or node.owner is not owner:
-            return  # a later error of a robot that was replaced
+    def _fail(self, owner: Owner | None, error: BaseException) -> None:
+        """Close a robot that has failed, or end the process; any thread may call this."""
         traceback.print_exception(error)
-        cause = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
-        del self._nodes[name]
-        self._end(node)
-        now_s = time.monotonic()
-        again, self._failed_s[name] = now_s - self._failed_s.get(name, float("-inf")) < AGAIN_S, now_s
-        if again:
-            self._stays_down(name, f"It has failed twice within {AGAIN_S:.0f} s ({cause}).")
-            return
-        self._start_again(name, cause)
-
-    def _start_again(self, name: str, cause: str) -> None:
-        """Start a robot that has failed; wait for a router that is away, and until the router has freed its name."""
-        warning = f"The program of {name} had failed ({cause}). It is started anew, as if it had just been switched on."
-        freed_s = time.monotonic() + FREED_S
-        while True:
-            try:
-                return self.start(name, warning)
-            except BeatrixError as refusal:
-                busy = refusal.reason is Reason.NAME_TAKEN and time.monotonic() < freed_s
-                if not busy and refusal.reason is not Reason.NO_ROUTER:
-                    why = f"It has failed ({cause}) and cannot be started again: {refusal.message}"
-                    return self._stays_down(name, why)
-            if self._closing.wait(FREE_POLL_S if busy else RETRY_S):
-                return None
-
-    def _stays_down(self, name: str, why: str) -> None:
         self.failed = True
-        _log.error(
-            "%s stays down; the other robots go on. %s `beatrix sim --name %s` starts it in a second terminal.",
-            name,
-            why,
-            name,
-        )
-
-    def _end(self, node: Node) -> None:
-        """Close a node, for CLOSE_S at most: a part of it may hang; then free its name."""
-        closing = threads.start(lambda: _close(node), "closing")
-        closing.join(CLOSE_S)
-        node.sessions.close()
-        self.hung |= closing.is_alive()
+        if owner is None or not self.nodes.keys() - {owner.name}:
+            self._shutdown.request()
+        elif node := self.nodes.pop(owner.name, None):
+            threads.start(lambda: _take_down(node, error), "closing")
 
     def close(self) -> None:
-        """Close all nodes at the same time, then end the threads."""
-        self._closing.set()
-        self._faults.put(None)
-        self._thread.join(timeout=END_S)
-        closing = [threads.start(lambda node=node: _close(node), "closing") for node in self._nodes.values()]  # type: ignore[misc]
+        """Close all nodes at the same time, then end the thread."""
+        closing = [threads.start(lambda node=node: _close(node), "closing") for node in self.nodes.values()]  # type: ignore[misc]
         until_s = time.monotonic() + END_S
         for thread in closing:
             thread.join(max(0.0, until_s - time.monotonic()))
         self.clock.close()
+
+
+def _take_down(node: Node, error: BaseException) -> None:
+    """Close a node, for CLOSE_S at most: a part of it may hang; then free its name."""
+    closing = threads.start(lambda: _close(node), "closing")
+    closing.join(CLOSE_S)
+    node.sessions.close()
+    cause = "".join(traceback.format_exception_only(error)).strip()
+    with threads.owned_by(node.owner):  # the log then names the robot
+        _log.error(
+            "It has failed (%s) and stays down; the other robots go on. `beatrix sim --name %s` starts it in a second "
+            "terminal.",
+            cause,
+            node.name,
+        )
 
 
 def _close(node: Node) -> None:

@@ -116,7 +116,7 @@ class Snapshot:
             side=side,
             version=metadata.version("beatrix-zenoh"),
             contract=msg.CONTRACT,
-            firmware=self._board.link.version,
+            firmware=self._board.status().firmware,
             steps_per_turn=self._planner.gear.steps_per_turn,
             arms=list(ARMS),
             limits=msg.LimitInfo(

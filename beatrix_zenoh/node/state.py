@@ -159,16 +159,15 @@ class Publisher(Component):
         self._task: ScheduledTask | None = None
 
     def start(self, sessions: Sessions) -> None:
-        name, side = self._snapshot.name, self._snapshot.side
-        self._positions = StatePublication(
-            sessions, keys.positions(name, side), keys.positions_json(name, side), self.changed
-        )
-        self._status = StatePublication(
-            sessions, keys.status(name, side), keys.status_json(name, side), self.changed
-        )
-        self._events = StatePublication(
-            sessions, keys.events(name, side), keys.events_json(name, side), self.changed
-        )
+        def publication(
+            key: Callable[[str, str], str], json_key: Callable[[str, str], str]
+        ) -> StatePublication:
+            name, side = self._snapshot.name, self._snapshot.side
+            return StatePublication(sessions, key(name, side), json_key(name, side), self.changed)
+
+        self._positions = publication(keys.positions, keys.positions_json)
+        self._status = publication(keys.status, keys.status_json)
+        self._events = publication(keys.events, keys.events_json)
         self._in_step = self._schedule.serves(self._owner)
         self._task = self._schedule.add(self._owner, self._turn)
         self._due_s = time.monotonic()

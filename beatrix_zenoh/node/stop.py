@@ -42,8 +42,6 @@ FRAMES: Final = {
 """Frame of each command, in the order in which waiting commands are sent."""
 REST_S: Final = 2.0
 """Time (s) after which moving arms are a fault. Arms at full speed stop much sooner, and clients wait longer."""
-SAME_PRESS_S: Final = 0.5
-"""A put and a query of one seat and session without a number within this time (s) count as one press and one event."""
 RECORDED: Final = 64
 """Number of presses, and of keys, that are remembered."""
 SAME_PUT_S: Final = 0.002
@@ -74,9 +72,8 @@ class StopHandler(Component):
         """Time (s, monotonic) of the last STOP that the board has acknowledged, and `Access.begun` before it."""
         self._puts: dict[str, tuple[float, int]] = {}
         """Time (s, monotonic) of the last put by its key, and `Access.begun` then."""
-        self._recorded: dict[Caller | tuple[str, bytes], tuple[str, float]] = {}
-        """Form (put or query) and time (s, monotonic) of recorded presses, the newest last: each by seat and number, and
-        of those without a number the last of each caller."""
+        self._recorded: dict[tuple[str, bytes], str] = {}
+        """Form (put or query) of the first of each press by seat and number, the newest last."""
         self._thread: threading.Thread | None = None
         self._rest = Rest(self._board, controller)
         board_watch.observe(Observer(self._rest.observe, self._rest.overdue))
@@ -104,7 +101,7 @@ class StopHandler(Component):
         if is_stop(incoming.key):
             handle = self._requests.handle(incoming, served, Command.STOP.name, EventKind.STOP)
             caller = Caller(handle.caller.seat or self._unsigned, handle.caller.session)
-            events = self._events(caller, "query", incoming.attachment)
+            events = self._events(caller.seat, "query", incoming.attachment)
             self.press(Command.STOP, replace(handle, caller=caller, events=events))
         else:
             incoming.finish()
@@ -128,27 +125,21 @@ class StopHandler(Component):
         # The seat is that of the key, which the router of a class checks; any client can forge a session id.
         caller = Caller(seat_of(received.key, served) or self._unsigned, received.session)
         press = received.attachment or b""
-        form, _ = self._recorded.get((caller.seat, press), ("put", 0.0))
-        if is_stop(received.key) and form != "query":
-            events = self._events(caller, "put", press)
+        if is_stop(received.key) and self._recorded.get((caller.seat, press)) != "query":
+            events = self._events(caller.seat, "put", press)
             self.press(Command.STOP, RequestHandle(caller, Command.STOP.name, events, kind=EventKind.STOP))
 
-    def _events(self, caller: Caller, form: str, press: bytes) -> NodeEvents | None:
-        """Return the event log for a press of STOP; None if its other form (put or query) was recorded just before.
+    def _events(self, seat: str, form: str, press: bytes) -> NodeEvents | None:
+        """Return the event log for a press of STOP; None if its other form (put or query) was recorded before.
 
-        `press`: its number; if it is empty, time and session decide.
+        `press`: its number; empty: it has none, and each of its forms is recorded.
         """
-        now_s = time.monotonic()
-        with self._changed:
-            key = (caller.seat, press) if press else caller
-            last_form, last_s = self._recorded.get(key, (form, now_s))
-            same = bool(press) or (bool(caller.session) and now_s - last_s < SAME_PRESS_S)
-            if form != last_form and same:
-                return None
-            self._recorded.pop(key, None)
-            self._recorded[key] = form, now_s
-            if len(self._recorded) > RECORDED:
-                del self._recorded[next(iter(self._recorded))]
+        if press:
+            with self._changed:
+                if self._recorded.setdefault((seat, press), form) != form:
+                    return None
+                if len(self._recorded) > RECORDED:
+                    del self._recorded[next(iter(self._recorded))]
         return self._requests.events
 
     def press(self, command: Command, handle: RequestHandle) -> None:
@@ -292,9 +283,9 @@ class Rest:
 
     def _end(self, handles: list[RequestHandle], how: str) -> None:
         self._how = how
-        arms, link = self._controller.arms(), self._board.link
-        if how == STOPPED and not link.connected:
-            lost = lost_while_stopping(reset=link.reset)
+        arms = self._controller.arms()
+        if how == STOPPED and not self._board.connected:
+            lost = lost_while_stopping(reset=self._board.reset)
             end_all(handles, command_refusal(lost, arms))
         elif self.moving:
             end_all(handles, command_refusal(not_stopped(STILL_MOVING), arms))
@@ -342,9 +333,8 @@ def lost_while_stopping(*, reset: bool) -> BeatrixError:
 
 def at_rest(board: Board, how: str, arms: Arms) -> str:
     """Return the state after an acknowledged STOP as a sentence; `how`: its first words at rest; arms in rad."""
-    link = board.link
-    if not link.connected:
-        return f"The board has acknowledged STOP, but its state is unknown. {link.trouble}"
+    if not board.connected:
+        return f"The board has acknowledged STOP, but its state is unknown. {board.trouble}"
     if board.state & BoardState.EMERGENCY:
         return "The motors are off, EMERGENCY_STOP is latched until reset, and home is no longer known."
     return f"{how}; the arms rest at {degrees(arms)}."

@@ -61,9 +61,11 @@ def size(picture: bytes) -> tuple[int, int]:
 def complete(picture: bytes) -> bytes:
     """Add the standard Huffman tables, which a JPEG file must have and cameras omit.
 
-    A picture that has tables is returned unchanged. Raises ValueError if it is not a JPEG picture.
+    A picture that has tables is returned unchanged. Raises ValueError if it is not a whole JPEG picture.
     """
     head = list(segments(picture))
+    if EOI not in picture[head[-1].end :]:
+        raise ValueError("it is damaged: its end is missing")
     if any(segment.marker == DHT for segment in head):
         return picture
     at = head[-1].begin

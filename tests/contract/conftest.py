@@ -11,7 +11,7 @@ from robots import Stage, ready
 from beatrix_zenoh import Robot
 from hw_node.body import VirtualHardware
 from hw_node.cameras.camera import TEST_EYES
-from hw_node.microphones import MicrophoneSensor, RepeatedSound, tone
+from hw_node.microphones import RepeatedSound, microphone_sensor, tone
 
 BODIES = ("sim", "in-process", "mega")
 """A simulation; a node of this process with a virtual board; the hardware node with the firmware on a simulated
@@ -38,7 +38,7 @@ def body(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
             stage.mega(path)
             stage.hardware("bea", str(path), "--microphones", "tone")
         else:
-            sensors = [*TEST_EYES, lambda node: MicrophoneSensor(node, RepeatedSound("tone", tone))]
+            sensors = [*TEST_EYES, lambda node: microphone_sensor(node, RepeatedSound("tone", tone))]
             stage.node("bea", VirtualHardware("bea", sensors=sensors))
         yield Body(kind, stage, "bea", "hw" if kind in ("in-process", "mega") else "sim")
 

@@ -22,7 +22,7 @@ from beatrix_zenoh.contract.errors import WrongUsage
 from hw_node import flash, stk500
 from hw_node.stk500 import ERASE, FLASH, LEAVE, PAGE, PROGRAM, READ, SIGN_ON, SPI
 
-IMAGE = flash.firmware(None)
+IMAGE = flash.read_hex(flash.SHIPPED)
 PAGES = -(-len(IMAGE) // PAGE)
 CLOSE = 0
 """Pseudo-command: closing the port."""
@@ -277,7 +277,7 @@ LAST = line(0, 2, b"\x30\0") + line(0xDFF0, 0, b"Z" * 16)
 def test_a_hex_file_is_read(tmp_path: Path, text: str, length: int) -> None:
     path = tmp_path / "some.hex"
     path.write_text(text, encoding="utf-8")
-    image = flash.firmware(path)
+    image = flash.read_hex(path)
     assert len(image) == length
     assert image.startswith(b"A" * 16)
     assert set(image[32:-16]) <= {0xFF}
@@ -286,22 +286,22 @@ def test_a_hex_file_is_read(tmp_path: Path, text: str, length: int) -> None:
 @pytest.mark.parametrize(
     ("text", "why"),
     [
-        ("", "no end record: it is incomplete"),
-        (A + "\n" + B, "no end record"),
-        ("hello\n", "line 1 is not a record"),
-        (A + "\n" + B.replace("42", "43", 1) + THE_END, "line 3 is not a record"),
-        (THE_END, "has no data"),
-        (B + THE_END, "line 1 has the addresses 0x10 to 0x20; the addresses of an image begin at 0"),
-        (A + B + line(31, 0, b"AA") + THE_END, "line 3 has the addresses 0x1f to 0x21"),
-        (A + THE_END + "\n" + B, "line 4 comes after the end"),
-        (A + line(0, 9, b"x") + THE_END, "line 2 has an unknown kind of record: kind 9"),
-        (A + line(0, 4, bytes([255] * 8)) + B + THE_END, "line 2 .* kind 4 with 8 bytes"),
-        (A + line(0, 4, b"\xff\xff") + A + THE_END, "line 3 .*0xffff0010; .* end at 0x3e000"),
-        (A + LAST + line(0xE000, 0, b"Z") + THE_END, "line 4 .* to 0x3e001"),
+        ("", "is incomplete"),
+        (A + "\n" + B, "is incomplete"),
+        (THE_END, "is incomplete"),
+        ("hello\n", "line 1 is no record.*begin at 0, rise, and end at 0x3e000: 'hello'"),
+        (A + "\n" + B.replace("42", "43", 1) + THE_END, "line 3"),
+        (B + THE_END, "line 1"),
+        (A + B + line(31, 0, b"AA") + THE_END, "line 3"),
+        (A + THE_END + "\n" + B, "line 4"),
+        (A + line(0, 9, b"x") + THE_END, "line 2"),
+        (A + line(0, 4, bytes([255] * 8)) + B + THE_END, "line 2"),
+        (A + line(0, 4, b"\xff\xff") + A + THE_END, "line 3"),
+        (A + LAST + line(0xE000, 0, b"Z") + THE_END, "line 4"),
     ],
 )
 def test_an_invalid_hex_file_is_rejected_with_its_cause(tmp_path: Path, text: str, why: str) -> None:
     path = tmp_path / "some.hex"
     path.write_text(text)
     with pytest.raises(WrongUsage, match=why):
-        flash.firmware(path)
+        flash.read_hex(path)

@@ -13,9 +13,9 @@ from robots import Stage, until
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
-from beatrix_zenoh.node import CameraFrame, sensors
+from beatrix_zenoh.node import SensorFrame, picture, sensors
 from hw_node.body import VirtualHardware
-from hw_node.cameras.camera import CameraSensor
+from hw_node.cameras.camera import camera_sensor
 
 PICTURE = b"\xff\xd8" + bytes(40_000)
 
@@ -36,14 +36,14 @@ class FakeSource:
     def open(self) -> None:
         self.opened += 1
 
-    def next(self, timeout_s: float) -> CameraFrame | None:
+    def next(self, timeout_s: float) -> SensorFrame | None:
         try:
             error = self.feed.get(timeout=timeout_s)
         except queue.Empty:
             return None
         if error is not None:
             raise error
-        return CameraFrame(PICTURE, 4, 3, time.monotonic_ns(), self.name)
+        return picture(PICTURE, 4, 3, time.monotonic_ns(), self.name)
 
     def close(self) -> None:
         self.closed += 1
@@ -53,7 +53,7 @@ class HardwareWithOneEye(VirtualHardware):
     """A virtual board with one eye, whose pictures come from `source`."""
 
     def __init__(self, name: str, source: FakeSource) -> None:
-        super().__init__(name, sensors=[lambda node: CameraSensor(node, "left", source)])
+        super().__init__(name, sensors=[lambda node: camera_sensor(node, "left", source)])
 
 
 @pytest.fixture

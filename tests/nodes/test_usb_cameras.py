@@ -17,6 +17,7 @@ from beatrix_zenoh.client import Subscription
 from beatrix_zenoh.client.subscription import CameraImage
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, Reason
 
+pytest.importorskip("cv2")
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux has V4L2")
 
 PICTURE: bytes = simplejpeg.encode_jpeg(
@@ -85,7 +86,7 @@ def test_pictures_are_published_unchanged_with_the_time_of_their_exposure(
         image = images.next(5.0)
     until(lambda: left.asked == "", "the camera is closed without a subscriber")
     assert image.jpeg == PICTURE
-    assert (image.width, image.height, image.source) == (640, 480, "v4l2")
+    assert (image.width, image.height, image.source) == (640, 480, "opencv")
     assert image.seq > first.seq
     assert 0 < image.arrived_mono_ns - image.t_mono_ns < 2e9
 
@@ -122,12 +123,10 @@ def test_a_camera_in_use_by_another_program_is_tried_again(left: FakeCamera, rob
 
 def test_without_usb_bandwidth_a_camera_streams_at_half_the_rate(left: FakeCamera, robot: Robot) -> None:
     left.refuse(errno.ENOSPC, from_hz=30)
-    with robot.camera("left") as images, robot.events(timeout_s=20.0) as events:
+    with robot.camera("left") as images:
         streams(left, images)
         assert left.asked == "640x480 MJPG 1/15 4"
-        event = next(event for event in events if event.kind is EventKind.LOG)
     left.refuse(0)
-    assert "15 pictures a second" in event.message
 
 
 def camera_event(events: Subscription[Event]) -> Event:

@@ -21,7 +21,7 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { BUFFERS = 8, LENGTH = 1 << 20, CAMERAS = 16, WAIT_MS = 2000 };
+enum { BUFFERS = 8, LENGTH = 1 << 20, CAMERAS = 16, WAIT_MS = 50 };
 
 struct camera {
     struct v4l2_pix_format format;

@@ -1,8 +1,7 @@
-"""A fake OpenCV with one USB camera that can be unplugged, slow, in use or blocked."""
+"""A fake OpenCV with one USB camera that can be unplugged, or deliver no picture."""
 
 from __future__ import annotations
 
-import threading
 from types import ModuleType
 
 import numpy as np
@@ -13,59 +12,44 @@ PLUM = (40, 20, 120)
 """Blue, green and red of the camera's pictures."""
 
 
-def plain(width: int = 640, height: int = 480) -> Pixels:
-    """Return a picture of one colour."""
-    return np.full((height, width, 3), PLUM, np.uint8)
-
-
 class FakeOpenCv(ModuleType):
     """A replacement for the module `cv2`."""
 
-    CAP_ANY, CAP_DSHOW, CAP_AVFOUNDATION = 0, 700, 1200
-    CAP_PROP_FRAME_WIDTH, CAP_PROP_FRAME_HEIGHT, CAP_PROP_FPS, CAP_PROP_FOURCC = 3, 4, 5, 6
+    CAP_V4L2, CAP_DSHOW, CAP_AVFOUNDATION = 200, 700, 1200
+    CAP_PROP_POS_MSEC, CAP_PROP_FRAME_WIDTH, CAP_PROP_FRAME_HEIGHT, CAP_PROP_FPS = 0, 3, 4, 5
+    CAP_PROP_FOURCC, CAP_PROP_CONVERT_RGB = 6, 16
 
     def __init__(self) -> None:
         super().__init__("cv2")
-        self.plugged = True
-        self.goes_on = threading.Event()
-        """While this event is clear, reads block."""
-        self.goes_on.set()
-        self.opened: list[tuple[int, int]] = []
-        self.captures: list[FakeCapture] = []
+        self.plugged = self.works = True
+        self.opened: list[tuple[int | str, int]] = []
+        self.asked: dict[int, float] = {}
+        self.released = 0
 
-    def VideoCapture(self, index: int, backend: int, /) -> FakeCapture:  # noqa: N802
-        self.opened.append((index, backend))
-        self.captures.append(FakeCapture(self))
-        return self.captures[-1]
-
-    @property
-    def released(self) -> int:
-        return sum(capture.released for capture in self.captures)
+    def VideoCapture(self, device: int | str, backend: int, /) -> FakeCapture:  # noqa: N802
+        self.opened.append((device, backend))
+        return FakeCapture(self)
 
 
 class FakeCapture:
-    """A replacement for `cv2.VideoCapture`; a picture arrives every 5 ms."""
+    """A replacement for `cv2.VideoCapture`, of a driver that ignores all properties."""
 
     def __init__(self, module: FakeOpenCv) -> None:
-        self._module, self._connected = module, module.plugged
-        self.asked: dict[int, float] = {}
-        self.released = False
-        self.thread = threading.current_thread()
+        self._module = module
 
     def isOpened(self) -> bool:  # noqa: N802
-        return self._connected
+        return self._module.plugged
 
     def set(self, property_id: int, value: float, /) -> bool:
-        self.asked[property_id] = value
-        return False  # as a driver without this property does
+        self._module.asked[property_id] = value
+        return False
+
+    def get(self, _property_id: int, /) -> float:
+        return -1.0
 
     def read(self) -> tuple[bool, Pixels | None]:
-        assert threading.current_thread() is self.thread, "on Windows one thread must make all calls"
-        self._module.goes_on.wait(10.0)
-        threading.Event().wait(0.005)
-        self._connected &= self._module.plugged  # it must be opened again after unplugging
-        return self._connected, plain() if self._connected else None
+        picture = np.full((480, 640, 3), PLUM, np.uint8)
+        return (True, picture) if self._module.works else (False, None)
 
     def release(self) -> None:
-        assert threading.current_thread() is self.thread, "on Windows one thread must make all calls"
-        self.released = True
+        self._module.released += 1

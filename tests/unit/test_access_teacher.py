@@ -11,7 +11,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.node.access import Access, Operation
 from beatrix_zenoh.node.callers import Caller
-from beatrix_zenoh.node.lease_queries import end_turn, give_back, mute, unmute
+from beatrix_zenoh.node.lease_queries import end_turn, mute
 
 
 @pytest.fixture
@@ -60,7 +60,7 @@ def test_requests_of_a_muted_seat_are_refused(access: Access, action: Operation,
     expected = Reason.TEACHER_ONLY if action is Operation.GOVERN else Reason.MUTED if muted else Reason.OK
     assert refusal(access, ANA, 1, action) is expected
     assert refusal(access, ANA_AGAIN, 1, action) is expected
-    unmute(access, "ana")
+    access.teacher.muted -= {"ana"}
     assert refusal(access, ANA, 1, action) is (
         Reason.TEACHER_ONLY if action is Operation.GOVERN else Reason.OK
     )
@@ -106,7 +106,7 @@ def test_a_refusal_says_whether_the_teacher_has_ended_a_lease(
     ways: dict[str, Callable[[], object]] = {
         "end_turn": lambda: end_turn(access, 1),
         "take": lambda: access.lease.take(BOSS, 1),
-        "give_back": lambda: give_back(access, ANA),
+        "give_back": lambda: access.lease.give_back(ANA),
     }
     for way in enders.split():
         ways[way]()

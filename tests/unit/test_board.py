@@ -36,8 +36,8 @@ def rig() -> Iterator[Rig]:
 def test_one_lost_reply_causes_one_retry(rig: Rig) -> None:
     rig.port.lose = [FrameType.ENABLE | 0x80]
     rig.board.enable(on=True)
-    assert rig.board.link.retries == 1
-    assert rig.board.link.connected
+    assert rig.board.retries == 1
+    assert rig.board.connected
 
 
 def test_a_reply_lost_at_every_try_raises_board_lost(rig: Rig) -> None:
@@ -68,9 +68,9 @@ def connect_foreign(rig: Rig) -> None:
     """Forge each HELLO_REPLY with another contract, and wait until the board has read one."""
     rig.port.instead = encode(FrameType.HELLO_REPLY, 0, FOREIGN.pack())
     rig.port.lose = [FrameType.HELLO_REPLY] * 1000
-    while rig.board.link.understood:
+    while rig.board.understood:
         rig.port.forged = rig.port.instead
-        rig.board.wait_for(lambda _: not rig.board.link.understood, 0.1)
+        rig.board.wait_for(lambda _: not rig.board.understood, 0.1)
 
 
 def test_requests_to_firmware_of_another_contract_raise_contract_mismatch(rig: Rig) -> None:
@@ -100,13 +100,13 @@ def test_the_handshake_is_repeated_after_a_loss(rig: Rig) -> None:
     """Even with the same boot number, the board may have been replaced by one with another contract."""
     rig.port.unplugged = True
     rig.lost()
-    assert rig.board.link.hello is None
+    assert rig.board.hello is None
     with pytest.raises(NoAnswer) as refusal:
         rig.board.enable(on=True)
     assert refusal.value.reason is Reason.BOARD_LOST
     rig.port.unplugged = False
-    rig.board.wait_for(lambda _: rig.board.link.connected, 10.0)
-    assert rig.board.link.hello is not None
+    rig.board.wait_for(lambda _: rig.board.connected, 10.0)
+    assert rig.board.hello is not None
 
 
 def test_only_a_reply_to_the_request_answers_it(rig: Rig) -> None:
@@ -120,7 +120,7 @@ def test_only_a_reply_to_the_request_answers_it(rig: Rig) -> None:
     rig.port.instead = b"".join(encode(kind, seq, data) for kind, data in unasked for seq in range(1, 256))
     with pytest.raises(NoAnswer, match="does not answer"):
         rig.board.request(FrameType.STOP)
-    assert rig.board.link.connected
+    assert rig.board.connected
 
 
 def test_a_reset_is_detected_by_the_boot_number(rig: Rig) -> None:
@@ -128,8 +128,8 @@ def test_a_reset_is_detected_by_the_boot_number(rig: Rig) -> None:
     with rig.virtual.lock:
         rig.virtual.firmware = Firmware(boot=2, name="bea")
     assert rig.board.wait_for(lambda telemetry: telemetry.boot == 2, 10.0)
-    assert rig.board.link.hello is not None
-    assert rig.board.link.hello.boot == 2
+    assert rig.board.hello is not None
+    assert rig.board.hello.boot == 2
 
 
 @pytest.mark.long("waits in real time")

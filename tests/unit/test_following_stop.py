@@ -15,7 +15,7 @@ from msgspec.structs import replace
 from statuses import AT_HOME, READY
 
 from beatrix_zenoh.board.board import Board
-from beatrix_zenoh.board.state import NO_TELEMETRY, BoardLink, TelemetrySample
+from beatrix_zenoh.board.state import NO_TELEMETRY, TelemetrySample
 from beatrix_zenoh.bus import Received, Sessions
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
@@ -45,13 +45,6 @@ class FakeBoard:
         self.reached: Callable[[], None] = lambda: None
         """called before each use of the board"""
         self._telemetry = replace(NO_TELEMETRY, state=BoardState.ENABLED | BoardState.CALIBRATED)
-
-    @property
-    def link(self) -> BoardLink:
-        self.reached()
-        return BoardLink(
-            "", connected=True, trouble="", hello=None, rejected=0, overflowed=0, retries=0, reset=False
-        )
 
     @property
     def sample(self) -> TelemetrySample:

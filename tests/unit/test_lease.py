@@ -11,7 +11,7 @@ from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.contract.refusals import LINGER_S
 from beatrix_zenoh.node.access import Access, Operation
 from beatrix_zenoh.node.callers import IDLE_S, SETTLE_S, TURN_S, WAITING_MAX, Caller, Terms
-from beatrix_zenoh.node.lease_queries import give_back, standing, take
+from beatrix_zenoh.node.lease_queries import standing, take
 
 
 @pytest.fixture
@@ -84,14 +84,14 @@ def test_a_holder_that_moves_is_not_idle(access: Access) -> None:
 def test_give_back_removes_a_waiting_seat_from_the_queue(access: Access) -> None:
     take(access, ANA, 0)
     take(access, BEN, 0, wait=True)
-    assert give_back(access, BEN)
-    assert not give_back(access, BEN)
+    assert access.lease.give_back(BEN)
+    assert not access.lease.give_back(BEN)
     assert standing(access, 0).waiting == ()
 
 
 def test_the_teacher_ends_the_lease_of_a_seat(access: Access) -> None:
     take(access, ANA, 0)
-    assert give_back(access, BOSS)
+    assert access.lease.give_back(BOSS)
     assert standing(access, 0).holder == ""
 
 
@@ -182,7 +182,7 @@ def test_the_turn_of_the_teacher_has_no_end(access: Access) -> None:
 def test_an_empty_queue_ends_the_limit(access: Access) -> None:
     take(access, ANA, 0)
     take(access, BEN, 0, wait=True)
-    give_back(access, BEN)
+    access.lease.give_back(BEN)
     assert nudge(access, ANA, 0, 3 * TURN_S) == 3 * TURN_S
     take(access, BEN, 3 * TURN_S, wait=True)
     assert standing(access, 3 * TURN_S).turn_s == TURN_S
@@ -199,11 +199,11 @@ def test_a_lease_with_a_time_of_its_own_ends_although_no_seat_waits(access: Acce
 def test_a_waiting_seat_gets_the_terms_that_it_has_asked_for(access: Access) -> None:
     take(access, ANA, 0)
     take(access, BEN, 0, wait=True, terms=Terms(longest_s=30, speed=0.5))
-    give_back(access, ANA)
+    access.lease.give_back(ANA)
     assert standing(access, 10).turn_s == 30
     assert [access.lease.speed(seat) for seat in ("ben", "ana", "")] == [0.5, 0, 0]
     assert standing(access, 40).lease == 0
-    give_back(access, BEN)
+    access.lease.give_back(BEN)
     assert access.lease.speed("ben") == 0
 
 
@@ -212,12 +212,12 @@ def test_the_speed_of_a_turn_outlives_the_lease_that_another_program_of_the_seat
 ) -> None:
     terms = Terms(longest_s=90, speed=0.7)
     take(access, ANA, 0, terms=terms)
-    give_back(access, ANA_AGAIN)
+    access.lease.give_back(ANA_AGAIN)
     assert (standing(access, 1).lease, access.lease.speed("ana")) == (0, 0.7)
     take(access, ANA_AGAIN, 2, terms=Terms(longest_s=3600, speed=1.5))
     assert (standing(access, 2).turn_s, access.lease.speed("ana")) == (90, 0.7), "the stricter of both"
-    give_back(access, ANA_AGAIN)
-    give_back(access, ANA)
+    access.lease.give_back(ANA_AGAIN)
+    access.lease.give_back(ANA)
     assert access.lease.speed("ana") == 0
 
 
@@ -230,7 +230,7 @@ def test_the_speed_of_a_turn_ends_with_its_session_and_with_the_turn_of_another_
         access.session_changed(ANA, 1, alive=False)
         access.give_up_sessions(2)
     else:
-        give_back(access, ANA_AGAIN)
+        access.lease.give_back(ANA_AGAIN)
         take(access, BEN, 2)
     assert access.lease.speed("ana") == 0
 

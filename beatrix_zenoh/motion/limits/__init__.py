@@ -6,6 +6,8 @@ import math
 from collections.abc import Sequence
 from typing import Final
 
+from msgspec.structs import replace
+
 from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated.messages import Alternative, Detail, Limit, Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
@@ -17,7 +19,7 @@ from beatrix_zenoh.motion.limits.alternatives import in_single, typed_speed
 from beatrix_zenoh.motion.limits.path_check import TILT, YAW, Bounds, PathChecker
 from beatrix_zenoh.motion.limits.path_check import TILT_KNOWN_BEYOND as TILT_KNOWN_BEYOND
 from beatrix_zenoh.motion.limits.path_check import known_tilt as known_tilt
-from beatrix_zenoh.motion.limits.refusal import RefusalBuilder, Rules
+from beatrix_zenoh.motion.limits.refusal import RefusalBuilder
 from beatrix_zenoh.motion.rotation import tilt_of
 from beatrix_zenoh.motion.trajectory import PlannedMotion, Trajectory
 
@@ -61,10 +63,9 @@ class MotionLimits:
         self._count_max = _FURTHEST_STEPS / self._gear.steps_per_turn * math.tau
         bounds = Bounds(self.tilt_max, self.yaw_max, self.gap_min)
         self._checker = PathChecker(self._neck, bounds)
-        rules = Rules(
-            self._neck, bounds, self._checker, self.acceleration, self.speed_min, self._accepts_as_sent
+        self._refusals = RefusalBuilder(
+            self._checker, self.acceleration, self.speed_min, self._accepts_as_sent
         )
-        self._refusals = RefusalBuilder(rules)
 
     def check_pose(self, arms: Sequence[float]) -> None:
         """Check that the head may rest at these arm angles (rad).
@@ -219,5 +220,4 @@ def with_alternative(refusal: Refused, alternative: Alternative | None) -> Refus
     """Return the refusal with this alternative, if there is one, in its detail and sentence."""
     if refusal.detail is None or alternative is None:
         return refusal
-    fields = {name: getattr(refusal.detail, name) for name in refusal.detail.__struct_fields__}
-    return Refused(refusal.reason, detail=Detail(**(fields | {"alternative": alternative})))
+    return Refused(refusal.reason, detail=replace(refusal.detail, alternative=alternative))

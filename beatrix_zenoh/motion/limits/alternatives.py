@@ -19,15 +19,12 @@ _TRIES: Final = 5
 _ROUNDING: Final = 1e-6
 
 
-def furthest(
-    start: Arms, goal: Arms, accepts: Callable[[Arms], bool], first: float = 1.0, fallback: float = 0.5
-) -> Arms | None:
+def furthest(start: Arms, goal: Arms, accepts: Callable[[Arms], bool]) -> Arms | None:
     """Return the furthest accepted point found on the line from `start` to `goal` (rad), None if there is none.
 
-    accepts: whether a request for this point would be accepted. first: share of the line for the first try.
-    fallback: position of the next try between the accepted point (0) and the refused point (1).
+    accepts: whether a request for this point would be accepted.
     """
-    low, high, share = 0.0, 1.0, first
+    low, high, share = 0.0, 1.0, 1.0
     found: Arms | None = None
     for _ in range(_TRIES):
         if share * math.dist(start, goal) < math.radians(_GRID_DEG):
@@ -40,7 +37,7 @@ def furthest(
             high = share
         if low == 1.0:
             break
-        share = low + (high - low) * fallback
+        share = (low + high) / 2
     if found is None or _distance(found, start) < math.radians(_GRID_DEG) * 0.99:
         return None
     return found

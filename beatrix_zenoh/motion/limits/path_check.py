@@ -87,7 +87,7 @@ class PathChecker:
     """Checks trajectories of one neck against fixed limits."""
 
     def __init__(self, neck: Neck, bounds: Bounds) -> None:
-        self._neck = neck
+        self.neck, self.bounds = neck, bounds
         up_min, half = math.cos(bounds.tilt_max), TOLERANCE / 2
         up_slack = (up_min - math.cos(bounds.tilt_max + TOLERANCE)) / 2
         self._slack: Margins = (up_slack, half, half, half, half, half)
@@ -102,10 +102,10 @@ class PathChecker:
 
     def clearance(self, arms: Arms) -> Clearance:
         """Return the margins at these arm angles (rad); raises BeatrixError if no head orientation is possible."""
-        head = self._neck.head(arms)
+        head = self.neck.head(arms)
         x, y, z = head.yaw_by_arm
         return Clearance(
-            (head.up, -head.yaw, head.yaw, *self._neck.gaps(arms)),
+            (head.up, -head.yaw, head.yaw, *self.neck.gaps(arms)),
             (head.up_by_arm, (-x, -y, -z), head.yaw_by_arm, *self._gap_by),
         )
 
@@ -122,7 +122,7 @@ class PathChecker:
         try:
             return self.clearance(arms).values
         except BeatrixError:
-            return (-math.inf, math.inf, math.inf, *self._neck.gaps(arms))
+            return (-math.inf, math.inf, math.inf, *self.neck.gaps(arms))
 
     def first_violation(self, trajectory: Trajectory) -> Violation | None:
         """Return the first violation of a limit, None if the trajectory keeps all limits.

@@ -4,51 +4,41 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Final, NamedTuple
+from typing import Final
 
 from beatrix_zenoh.contract._generated.messages import Alternative, Detail, Head, Limit, Reason, Vector3
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.gear import Arms
-from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits.alternatives import furthest, in_single, nearest_pose, typed_speed
-from beatrix_zenoh.motion.limits.path_check import GAP, TILT, Bounds, PathChecker, Violation
+from beatrix_zenoh.motion.limits.path_check import GAP, TILT, PathChecker, Violation
 from beatrix_zenoh.motion.rotation import tilt_of
 from beatrix_zenoh.motion.trajectory import PlannedMotion, Trajectory
 
 _SAMPLES: Final = 24
 _PAIRS: Final = (["short", "middle"], ["middle", "long"], ["long", "short"])
-_SHORT_OF_VIOLATION: Final = 0.97
-"""Share of the path to a violation that is tried first."""
-
-
-class Rules(NamedTuple):
-    """The rules for motions of one robot."""
-
-    neck: Neck
-    bounds: Bounds
-    checker: PathChecker
-    acceleration: float
-    """rad/s2"""
-    slowest: float
-    """lowest speed of an arm, rad/s"""
-    accepts: Callable[[PlannedMotion], bool]
-    """whether a motion keeps all limits"""
 
 
 class RefusalBuilder:
     """Builds the refusals of one robot's motions and poses."""
 
-    def __init__(self, rules: Rules) -> None:
-        self._neck, self._bounds, self._checker = rules.neck, rules.bounds, rules.checker
-        self._acceleration, self._slowest, self._accepts = rules.acceleration, rules.slowest, rules.accepts
+    def __init__(
+        self,
+        checker: PathChecker,
+        acceleration: float,
+        slowest: float,
+        accepts: Callable[[PlannedMotion], bool],
+    ) -> None:
+        """`acceleration`: rad/s2; `slowest`: lowest speed of an arm (rad/s); `accepts`: whether a motion keeps all limits."""
+        self._neck, self._bounds, self._checker = checker.neck, checker.bounds, checker
+        self._acceleration, self._slowest, self._accepts = acceleration, slowest, accepts
 
     def of_rest(self, index: int, arms: Arms) -> Refused:
         """Return the refusal of arm angles (rad) at which a head at rest exceeds the limit of this index."""
-        return _refused(index, self._detail(index, arms, at_goal=True))
+        return self._refused(index, arms, at_goal=True)
 
     def of_tilt(self, pitch: float, roll: float) -> Refused:
         """Return the refusal of a head orientation (rad) that tilts too far, for a motion with an unknown start."""
-        return _refused(TILT, self._detail(TILT, (0.0, 0.0, 0.0), value=tilt_of(pitch, roll), at_goal=True))
+        return self._refused(TILT, (0.0, 0.0, 0.0), value=tilt_of(pitch, roll), at_goal=True)
 
     def of_pose(self, index: int, pose: Arms, motion: PlannedMotion) -> Refused:
         """Return the refusal of a head orientation (rad) that exceeds the limit of this index.
@@ -56,11 +46,8 @@ class RefusalBuilder:
         motion: start and speeds of the motion to this orientation; the goal of `motion` is not used.
         """
         value = tilt_of(pose[1], pose[2]) if index == TILT else pose[0]
-        return _refused(
-            index,
-            self._detail(
-                index, motion.start, value=value, at_goal=True, alternative=self.for_pose(pose, motion)
-            ),
+        return self._refused(
+            index, motion.start, value=value, at_goal=True, alternative=self.for_pose(pose, motion)
         )
 
     def of_motion(self, violation: Violation, motion: PlannedMotion) -> Refused:
@@ -70,16 +57,8 @@ class RefusalBuilder:
         if not at_goal:
             trajectory = motion.trajectory(self._acceleration)
             arms = max(_after(violation, trajectory), key=lambda arms: self._excess(index, arms))
-        return _refused(
-            index,
-            self._detail(
-                index,
-                arms,
-                at_goal=at_goal,
-                violation=violation,
-                alternative=self._alternative(violation, motion, at_goal=at_goal),
-            ),
-        )
+        alternative = self._alternative(motion, at_goal=at_goal)
+        return self._refused(index, arms, at_goal=at_goal, violation=violation, alternative=alternative)
 
     def of_start(self, start: Arms) -> Refused:
         """Return the refusal of any motion while no head orientation is possible at the present arm angles (rad)."""
@@ -106,9 +85,9 @@ class RefusalBuilder:
         alone = PlannedMotion(motion.start, motion.velocity, arms, motion.speed, straight=False)
         return Alternative(head=Head(*head), arms=Vector3(*arms) if self._accepts(alone) else None)
 
-    def for_arms(self, goal: Arms, motion: PlannedMotion, first: float = 1.0) -> Alternative | None:
+    def for_arms(self, goal: Arms, motion: PlannedMotion) -> Alternative | None:
         """Return the accepted position of the arms found furthest towards `goal` (rad), None if there is none."""
-        arms = furthest(motion.start, goal, lambda arms: self._accepts(motion.to(arms)), first)
+        arms = furthest(motion.start, goal, lambda arms: self._accepts(motion.to(arms)))
         return None if arms is None else Alternative(arms=Vector3(*arms))
 
     def _exceeded_limit(self, violation: Violation, motion: PlannedMotion) -> tuple[int, bool]:
@@ -123,15 +102,11 @@ class RefusalBuilder:
             return max(at_goal), True
         return violation.index, True
 
-    def _alternative(
-        self, violation: Violation, motion: PlannedMotion, *, at_goal: bool
-    ) -> Alternative | None:
+    def _alternative(self, motion: PlannedMotion, *, at_goal: bool) -> Alternative | None:
         if not motion.straight:
             if not at_goal and (speed := self._speed(motion)) is not None:
                 return Alternative(speed=Vector3(*speed))
-            travel = math.dist(motion.start, motion.target)
-            share = math.dist(motion.start, violation.arms) / travel if travel else 0.0
-            return self.for_arms(motion.target, motion, min(1.0, share) * _SHORT_OF_VIOLATION)
+            return self.for_arms(motion.target, motion)
         try:
             pose = self._neck.forward(motion.target)
         except BeatrixError:
@@ -144,7 +119,7 @@ class RefusalBuilder:
         speed = in_single((x, y, z))
         return speed if self._accepts(motion.at_speed(speed)) else None
 
-    def _detail(
+    def _refused(
         self,
         index: int,
         arms: Arms,
@@ -153,16 +128,16 @@ class RefusalBuilder:
         value: float | None = None,
         violation: Violation | None = None,
         alternative: Alternative | None = None,
-    ) -> Detail:
-        """Return the detail for the limit of this index at these arm angles (rad); `value`: rad, None to compute it."""
-        low, high, limit = None, None, _limit(index)
-        if limit is Limit.TILT:
-            high = self._bounds.tilt_max
-        elif limit is Limit.YAW:
-            low, high = -self._bounds.yaw_max, self._bounds.yaw_max
+    ) -> Refused:
+        """Return the refusal for the limit of this index at these arm angles (rad); `value`: rad, None to compute it."""
+        bounds = self._bounds
+        if index == TILT:
+            reason, limit, low, high = Reason.OUT_OF_REACH, Limit.TILT, None, bounds.tilt_max
+        elif index < GAP:
+            reason, limit, low, high = Reason.YAW_LIMIT, Limit.YAW, -bounds.yaw_max, bounds.yaw_max
         else:
-            low = self._bounds.gap_min
-        return Detail(
+            reason, limit, low, high = Reason.ARM_GAP, Limit.ARM_GAP, bounds.gap_min, None
+        detail = Detail(
             limit=limit,
             value=self._value(index, arms) if value is None else value,
             low=low,
@@ -174,6 +149,7 @@ class RefusalBuilder:
             leaves_arms=None if violation is None else Vector3(*violation.arms),
             alternative=alternative,
         )
+        return Refused(reason, detail=detail)
 
     def _value(self, index: int, arms: Arms) -> float | None:
         """Return tilt, yaw or gap (rad); None if no head orientation is possible."""
@@ -196,18 +172,3 @@ class RefusalBuilder:
 def _after(violation: Violation, trajectory: Trajectory) -> list[Arms]:
     span = trajectory.duration - violation.t
     return [trajectory.at(violation.t + span * i / _SAMPLES)[0] for i in range(_SAMPLES + 1)]
-
-
-def _limit(index: int) -> Limit:
-    if index == TILT:
-        return Limit.TILT
-    return Limit.ARM_GAP if index >= GAP else Limit.YAW
-
-
-def _refused(index: int, detail: Detail) -> Refused:
-    reasons = {
-        Limit.TILT: Reason.OUT_OF_REACH,
-        Limit.YAW: Reason.YAW_LIMIT,
-        Limit.ARM_GAP: Reason.ARM_GAP,
-    }
-    return Refused(reasons[_limit(index)], detail=detail)
