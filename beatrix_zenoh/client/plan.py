@@ -5,14 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Protocol
 
 from beatrix_zenoh.bus import ProcessBound
-from beatrix_zenoh.client.degrees import (
-    Path,
-    arm_angles,
-    checked_seconds,
-    head_angles,
-    path_figure,
-    true_or_false,
-)
+from beatrix_zenoh.client.degrees import checked_seconds, path_figure, preview_of, true_or_false
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin_motion import TwinMotion, furthest
 from beatrix_zenoh.client.twin_state import PlanPosition, plan_position
@@ -82,11 +75,7 @@ class Plan(ProcessBound):
             )
         if not alike:
             self.verdict += UNLIKE
-        self.path = Path(
-            preview.t,
-            [arm_angles(arms) for arms in preview.arms],
-            [head_angles(head) for head in preview.head],
-        )
+        self.path = preview_of(preview).path
         self._settled = ""
         self._motion: TwinMotion | None = None
 
@@ -117,7 +106,7 @@ class Plan(ProcessBound):
         except BeatrixError:
             self._motion = None
             raise
-        motion.run.prepare(*now, self._check_both, measured=self._during is None)
+        motion.prepare(*now, self._check_both, measured=self._during is None)
         self._twin.start(motion, wait=waits)
         return motion
 

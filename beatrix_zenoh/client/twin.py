@@ -211,14 +211,14 @@ class Twin(ProcessBound, Suggesting):
         return motion
 
     def start(self, motion: TwinMotion, *, wait: bool) -> None:
-        """Start a motion of both robots, which replaces a running one; raises the errors of `TwinRun.start`."""
+        """Start a motion of both robots, which replaces a running one; raises the errors of `TwinMotion.start`."""
         with self._starting:
             before, self._motion = self._motion, motion
-        if before is None or not before.run.hold():
-            motion.run.start(wait=wait)
+        if before is None or not before.hold():
+            motion.start(wait=wait)
             return
         try:
-            motion.run.start(wait=wait, begun=lambda: before.run.end(Interrupted(Reason.REPLACED, REPLACED)))
+            motion.start(wait=wait, begun=lambda: before.end(Interrupted(Reason.REPLACED, REPLACED)))
         except BaseException:
             before.cancel()  # the simulation has refused the new motion: the old one must not reach the hardware alone
             raise
@@ -247,11 +247,11 @@ class Twin(ProcessBound, Suggesting):
         """
         motion = self._motion
         if motion is not None:
-            motion.run.hold()
+            motion.hold()
         if not self._shared:
             self.client.close()
         if motion is not None and motion.running():
-            motion.run.end(
+            motion.end(
                 Interrupted(
                     Reason.SHUTDOWN, "This program closed its connection, so the robots stop its motions."
                 )

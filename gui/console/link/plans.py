@@ -52,8 +52,7 @@ class PlanJob:
         self.over.set()
         motion = self.motion or (None if self.plan is None else self.plan.motion)
         if motion is not None:
-            motion.run.hold()
-            motion.run.end(why)
+            motion.end(why)
 
 
 class Plans:
