@@ -77,7 +77,7 @@ class Channel(Generic[M]):
     def __init__(self, client: Client, key: str, kind: type[M]) -> None:
         self._client, self._key, self._kind = client, key, kind
         self._newest: tuple[bytes, float] | None = None
-        self._times: deque[float] = deque(maxlen=2 * keys.POSITIONS_HZ)
+        self._times: deque[float] = deque(maxlen=2 * keys.positions.rate_hz)
         self._decoded: tuple[bytes, M | None] | None = None
 
     def put(self, payload: bytes) -> None:

@@ -6,30 +6,42 @@ import re
 import struct
 from collections.abc import Callable, Mapping
 from enum import IntEnum, StrEnum
-from functools import lru_cache
+from functools import cache, lru_cache
 from itertools import islice
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Annotated, Any, ClassVar, NamedTuple, Self, get_origin, get_type_hints
 
 from msgspec import Struct
-from msgspec.structs import astuple
+from msgspec.structs import astuple, fields
 
 
 class KeyRow(NamedTuple):
-    """One row of keys.toml; its purpose is in KEY_TEXT."""
+    """One row of keys.toml; its purpose is in KEY_TEXT. `keys.stop("bea", "hw", "ana")` is a key with these names."""
 
     key: str
-    kind: str
     payload: str
     reply: str
     session: str
     """Traffic class of the session that answers or subscribes."""
-    publish: str = ""
-    """Traffic class of the session that publishes; empty: none."""
-    sides: tuple[str, ...] = ("hw", "sim")
     priority: str = "data"
-    congestion: str = "drop"
+    kind: str = "query"
+    publish: str = "control"
+    """Traffic class of the session that publishes, if the row is a publication."""
     rate_hz: int = 0
     """Publications per second; 0: not at a constant rate."""
+
+    @property
+    def sides(self) -> tuple[str, ...]:
+        """Sides whose robots have this key."""
+        return ("sim",) if "/sim/" in self.key else ("hw", "sim")
+
+    def __call__(self, *names: str) -> str:
+        """Return the key with these names, or `*`, in place of its fields; raises ValueError for too few or many."""
+        return self.key.format_map(dict(zip(_fields(self.key), names, strict=True)))
+
+
+@cache
+def _fields(pattern: str) -> list[str]:
+    return re.findall(r"{(\w+)}", pattern)
 
 
 class Parts(NamedTuple):
@@ -105,6 +117,23 @@ class Code(IntEnum):
         made = int.__new__(cls, code)
         made._value_, made.text, made.reason = code, text, reason
         return made
+
+
+class Range(NamedTuple):
+    """Range of a field in a robot file; a bound is infinite if another value or the firmware limits the field."""
+
+    low: float
+    high: float
+    unit: str
+
+
+def ranges(robot: type[Struct]) -> dict[str, dict[str, Range]]:
+    """Return the ranges in the annotations of a robot's fields, by table."""
+    annotations = {field.name: get_type_hints(field.type, include_extras=True) for field in fields(robot)}
+    return {
+        table: {name: kind.__metadata__[0] for name, kind in kinds.items() if get_origin(kind) is Annotated}
+        for table, kinds in annotations.items()
+    }
 
 
 class ValueRow(NamedTuple):

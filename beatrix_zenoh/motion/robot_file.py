@@ -12,8 +12,9 @@ import msgspec
 from beatrix_zenoh import files
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract._generated.robot import ALLOWED, ROBOT, Range, RobotData
+from beatrix_zenoh.contract._generated.robot import ALLOWED, ROBOT, RobotData
 from beatrix_zenoh.contract.errors import QUOTED, BeatrixError, Refused, WrongUsage, quoted
+from beatrix_zenoh.contract.rows import Range
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits import TILT_KNOWN_BEYOND, MotionLimits, known_tilt

@@ -24,22 +24,16 @@ TELEMETRY_PERIOD: Final = 10
 """period of TELEMETRY, which is also sent at once when a motion ends or the state changes [ms]"""
 TELEMETRY_PATIENCE: Final = 2
 """longest delay of TELEMETRY after its period while a frame is being received [ms]"""
-HEARTBEAT_TIMEOUT: Final = 500
-"""without a valid frame for this long while moving, the firmware stops the arms [ms]"""
 HEARTBEAT_PERIOD: Final = 200
 """longest pause between two frames of the host [ms]"""
 REPLY_TIMEOUT: Final = 100
 """time after which the host repeats a request [ms]"""
 TRIES: Final = 3
 """number of tries before the host reports the board lost"""
-TEXT_START: Final = 64
-"""'@'"""
 TEXT_LINE_MAX: Final = 127
 """longest line of text, without its end [byte]"""
 TEXT_LINE_TIMEOUT: Final = 2000
 """without a byte for this long an incomplete line or frame is dropped [ms]"""
-TEXT_MOTION: Final = 0
-"""number of every motion of the text port, in TELEMETRY"""
 HOST_GONE: Final = 2000
 """without a valid frame for this long the firmware assumes that there is no host: no telemetry, text replies without frames, text motions without heartbeat [ms]"""
 
