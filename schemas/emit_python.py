@@ -34,7 +34,7 @@ TEXT = """
 SHOWN = ("Reason", "Fault")
 """Enumerations whose texts programs show to users."""
 BASES = {
-    "Reply": ("The outcome of a request.", ("result", "reason", "message", "detail")),
+    "Outcome": ("The outcome of a request.", ("result", "reason", "message", "detail")),
     "Sample": ("One of a numbered series, with the clocks of its source.", ("seq", "t_mono_ns", "t_wall_ns")),
 }
 """Classes of the first fields that several messages share."""

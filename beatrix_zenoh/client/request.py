@@ -22,8 +22,8 @@ from beatrix_zenoh.bus import Bus, Query, Received, Reply
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.contract import codec, sentences
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Detail, Info, MotionReply, Reason
-from beatrix_zenoh.contract.errors import NoAnswer
+from beatrix_zenoh.contract._generated.messages import Detail, Info, MotionReply, Outcome, Reason
+from beatrix_zenoh.contract.errors import NoAnswer, Refused
 
 NOTICE_S = 0.2
 """Time (s) to wait for the report of a loss: Zenoh ends the queries of a lost connection before it reports the loss."""
@@ -48,6 +48,7 @@ LATE_S = 2.0
 LOSS_CHECK_S = 0.5
 """Period (s) of the check for a lost router: Zenoh does not end a query sent just before it notices the loss."""
 M = TypeVar("M", bound=msgspec.Struct)
+A = TypeVar("A", bound=Outcome)
 
 
 class Unanswered(msgspec.Struct, frozen=True):
@@ -396,6 +397,18 @@ def ask(
         return query.next(kind, timeout_s)
     finally:
         query.close()
+
+
+def outcome(reply: A) -> A | Refused:
+    """Return the reply, or the error if the robot refused."""
+    return reply if reply.result else Refused(reply.reason, reply.message, reply.detail)
+
+
+def accepted(reply: A) -> A:
+    """Return the reply; raises Refused if the robot refused."""
+    if isinstance(found := outcome(reply), Refused):
+        raise found
+    return found
 
 
 def infos(client: Client, timeout_s: float = 1.0) -> dict[Place, Info]:

@@ -12,7 +12,7 @@ from beatrix_zenoh.client.degrees import (
     Preview,
     Speed,
     bearing,
-    checked_number,
+    checked_place,
     checked_seconds,
     motion_query,
     pose_query,
@@ -21,7 +21,7 @@ from beatrix_zenoh.client.degrees import (
 )
 from beatrix_zenoh.client.lease import Lease
 from beatrix_zenoh.client.motion import MARGIN_S, Motion
-from beatrix_zenoh.client.request import Request, ask
+from beatrix_zenoh.client.request import Request, accepted, ask
 from beatrix_zenoh.client.robot_base import RobotWithRoom
 from beatrix_zenoh.client.slips import value_method
 from beatrix_zenoh.client.stopping import SentStop, publish_stop
@@ -126,7 +126,7 @@ class Robot(RobotWithRoom):
             command=command.value, value=true_or_false("value", value), source=self.client.source
         )
         timeout_s = self.timeout_s if timeout_s is None else checked_seconds("timeout_s", timeout_s)
-        return checked(ask(self.client, self.place, key, query, CommandReply, timeout_s))
+        return accepted(ask(self.client, self.place, key, query, CommandReply, timeout_s))
 
     @value_method
     def lease(self, wait_s: float = 0.0) -> Lease:
@@ -147,7 +147,7 @@ class Robot(RobotWithRoom):
         """
         query = FollowQuery(follow=true_or_false("on", on), source=self.client.source)
         key = keys.follow(self.name, self.client.settings.who)
-        return checked(ask(self.client, (self.name, "sim"), key, query, CommandReply, self.timeout_s))
+        return accepted(ask(self.client, (self.name, "sim"), key, query, CommandReply, self.timeout_s))
 
     @value_method
     def kinematics(self) -> Kinematics:
@@ -191,7 +191,7 @@ class Robot(RobotWithRoom):
         The point between the eyes looks there, with roll 0. `speed` and `wait` are those of `look`, and so are the
         errors; raises WrongUsage (BAD_VALUE), too, for a place within the head.
         """
-        yaw, pitch = bearing(*(checked_number(*each, "m") for each in (("x", x), ("y", y), ("z", z))))
+        yaw, pitch = bearing(*checked_place(x, y, z))
         return self.look(yaw, pitch, speed=speed, wait=wait)
 
     @value_method
@@ -216,12 +216,12 @@ class Robot(RobotWithRoom):
                 f"Hardware has no preview: use Robot({self.name!r}).preview(...), which asks its simulation."
             )
             raise WrongUsage(Reason.BAD_VALUE, text)
-        query = pose_query(yaw, pitch, roll, relative=relative, speed=speed)
+        return preview_of(self.try_out(pose_query(yaw, pitch, roll, relative=relative, speed=speed)))
+
+    def try_out(self, query: MotionQuery | PoseQuery) -> PreviewReply:
+        """Try a motion (rad, rad/s) on a copy of the simulation of this name; raises Refused or NoAnswer."""
         key = keys.preview(self.name, self.client.settings.who)
-        reply = ask(self.client, self.place, key, query, PreviewReply, PREVIEW_S)
-        if not reply.result:
-            raise Refused(reply.reason, reply.message, reply.detail)
-        return preview_of(reply)
+        return accepted(ask(self.client, (self.name, "sim"), key, query, PreviewReply, PREVIEW_S))
 
     def move(
         self,
@@ -258,14 +258,14 @@ class Robot(RobotWithRoom):
         lasts_s = max(self.timeout_s, self._longest_s(query) + MARGIN_S)
         request = Request(self.client, self.place, key, query, lasts_s)
         try:
-            accepted = request.next(MotionReply, self.timeout_s)
+            reply = accepted(request.next(MotionReply, self.timeout_s))
+        except Refused:
+            request.close()
+            raise
         except BaseException:
             request.if_accepted(lambda: publish_stop(self.client, self.place))
             raise
-        if not accepted.result:
-            request.close()
-            raise Refused(accepted.reason, accepted.message, accepted.detail)
-        return Motion(str(self), request, accepted, self.stop, self.client.dispatcher)
+        return Motion(str(self), request, reply, self.stop, self.client.dispatcher)
 
     def _longest_s(self, query: MotionQuery | PoseQuery) -> float:
         """Return an upper bound of a motion's time (s), because Zenoh keeps memory for a query until its timeout."""
@@ -279,10 +279,3 @@ class Robot(RobotWithRoom):
         else:
             slowest = min(query.speed.x, query.speed.y, query.speed.z)
         return min(DAY_S, math.radians(LONGEST_WAY_DEG) / slowest) if slowest > 0 else 0.0
-
-
-def checked(reply: CommandReply) -> CommandReply:
-    """Return the reply; raises Refused if the robot refused."""
-    if not reply.result:
-        raise Refused(reply.reason, reply.message, reply.detail)
-    return reply

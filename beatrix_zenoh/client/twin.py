@@ -10,15 +10,13 @@ from typing import NamedTuple, Self
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.degrees import Reading, Speed, motion_query, pose_query, true_or_false
 from beatrix_zenoh.client.plan import SAME_DEG, Plan, Start, distance, unlike
-from beatrix_zenoh.client.request import ask
-from beatrix_zenoh.client.robot import PREVIEW_S, Robot
+from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.slips import Suggesting, value_method
 from beatrix_zenoh.client.stopping import stop_robots
 from beatrix_zenoh.client.twin_motion import REPLACED, TwinMotion
 from beatrix_zenoh.client.twin_state import PlanPosition, check_may_move, check_may_switch, plan_position
-from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, PreviewReply, Reason
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer, Refused, naming
 from beatrix_zenoh.settings import resolve
 
@@ -137,10 +135,8 @@ class Twin(ProcessBound, Suggesting):
                 f"The robots stand {apart:.1f}° apart, so a relative motion would leave them apart: move both to "
                 "the same position first, with home or with a motion that is not relative.",
             )
-        key = keys.preview(self.name, self.client.settings.who)
-        reply = ask(self.client, self.sim.place, key, query, PreviewReply, PREVIEW_S)
-        if not reply.result:
-            raise Refused(reply.reason, f"{self.sim}: {reply.message}", reply.detail)
+        with naming(str(self.sim)):
+            reply = self.sim.try_out(query)
         plan = Plan(self, query, reply, start, alike=start[1] is None or self._alike(), during=during)
         if start[1] is not None:
             try:

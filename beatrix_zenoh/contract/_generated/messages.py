@@ -224,7 +224,7 @@ class Command(Code):
     RESET = 6, "Clear the latch of EMERGENCY_STOP; the motors stay off."
 
 
-class Reply(Struct, frozen=True, kw_only=True):
+class Outcome(Struct, frozen=True, kw_only=True):
     """The outcome of a request."""
 
     result: bool
@@ -432,7 +432,7 @@ class Detail(Struct, frozen=True, kw_only=True):
     """a request that would be accepted"""
 
 
-class MotionReply(Reply, frozen=True, kw_only=True):
+class MotionReply(Outcome, frozen=True, kw_only=True):
     """Sent twice for each motion: accepted at once, done when it has ended. A refused motion gets one reply."""
 
     phase: Phase
@@ -445,7 +445,7 @@ class MotionReply(Reply, frozen=True, kw_only=True):
     """accepted: arm angles of the goal; done: set point of the arms [rad]"""
 
 
-class CommandReply(Reply, frozen=True, kw_only=True):
+class CommandReply(Outcome, frozen=True, kw_only=True):
     """The outcome of a command or a STOP."""
 
     position: Vector3
@@ -465,7 +465,7 @@ class ErrorReply(Struct, frozen=True, kw_only=True):
     """`field`: the key of the query; `known`: the robot's keys that can be queried"""
 
 
-class LeaseReply(Reply, frozen=True, kw_only=True):
+class LeaseReply(Outcome, frozen=True, kw_only=True):
     """The outcome of a lease query."""
 
     lease: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
@@ -476,7 +476,7 @@ class LeaseReply(Reply, frozen=True, kw_only=True):
     """seats in the queue, the next first"""
 
 
-class PreviewReply(Reply, frozen=True, kw_only=True):
+class PreviewReply(Outcome, frozen=True, kw_only=True):
     """The result of a motion on a copy of the simulation, computed faster than real time. The robot does not move."""
 
     duration: Float32
@@ -650,7 +650,7 @@ class Status(Struct, frozen=True, kw_only=True):
     """the microphones; missing: none"""
 
 
-class TargetReply(Reply, frozen=True, kw_only=True):
+class TargetReply(Outcome, frozen=True, kw_only=True):
     """The place of the person in the simulated scene."""
 
     x: Float32
@@ -661,7 +661,7 @@ class TargetReply(Reply, frozen=True, kw_only=True):
     """above the neck's centre [m]"""
 
 
-class SoundReply(Reply, frozen=True, kw_only=True):
+class SoundReply(Outcome, frozen=True, kw_only=True):
     """What plays in the simulated room, and where."""
 
     play: Label
