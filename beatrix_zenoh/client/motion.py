@@ -10,7 +10,7 @@ from typing import Protocol, cast
 
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.session import Dispatcher
-from beatrix_zenoh.client.slips import Suggesting, value_method
+from beatrix_zenoh.client.slips import Suggesting
 from beatrix_zenoh.contract._generated.messages import CommandReply, MotionReply, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer
 
@@ -70,18 +70,15 @@ class Motion(ProcessBound, Suggesting):
         text = f"{self.duration:.1f} s" if end is None else end.message
         return f"<motion of {self._robot}: {text}>"
 
-    @value_method
     def done(self) -> bool:
         """Return whether the motion has ended, at its goal or before it."""
         self._read(0.0)
         return self._end is not None
 
-    @value_method
     def running(self) -> bool:
         """Return whether the motion has not ended yet."""
         return not self.done()
 
-    @value_method
     def result(self, timeout: float | None = None) -> MotionReply:
         """Wait until the head has reached its goal, and return the robot's final reply.
 
@@ -98,7 +95,6 @@ class Motion(ProcessBound, Suggesting):
             raise error
         return cast("MotionReply", end)
 
-    @value_method
     def exception(self, timeout: float | None = None) -> BeatrixError | None:
         """Wait as `result` does, but return the error that `result` would raise; None if the head arrived.
 

@@ -23,7 +23,6 @@ from beatrix_zenoh.client.lease import Lease
 from beatrix_zenoh.client.motion import MARGIN_S, Motion
 from beatrix_zenoh.client.request import Request, accepted, ask
 from beatrix_zenoh.client.robot_base import RobotWithRoom
-from beatrix_zenoh.client.slips import value_method
 from beatrix_zenoh.client.stopping import SentStop, publish_stop
 from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated import keys
@@ -128,7 +127,6 @@ class Robot(RobotWithRoom):
         timeout_s = self.timeout_s if timeout_s is None else checked_seconds("timeout_s", timeout_s)
         return accepted(ask(self.client, self.place, key, query, CommandReply, timeout_s))
 
-    @value_method
     def lease(self, wait_s: float = 0.0) -> Lease:
         """Take the robot: only this seat and the teacher may move it until the lease is closed or this program ends.
 
@@ -149,7 +147,6 @@ class Robot(RobotWithRoom):
         key = keys.follow(self.name, self.client.settings.who)
         return accepted(ask(self.client, (self.name, "sim"), key, query, CommandReply, self.timeout_s))
 
-    @value_method
     def kinematics(self) -> Kinematics:
         """Query geometry and limits of the robot, and return its kinematics in degrees; raises the errors of `info`."""
         return Kinematics(self.info())
@@ -194,7 +191,6 @@ class Robot(RobotWithRoom):
         yaw, pitch = bearing(*checked_place(x, y, z))
         return self.look(yaw, pitch, speed=speed, wait=wait)
 
-    @value_method
     def preview(
         self,
         yaw: float = 0.0,

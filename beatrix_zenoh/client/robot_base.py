@@ -20,7 +20,7 @@ from beatrix_zenoh.client.degrees import (
 )
 from beatrix_zenoh.client.request import A, M, accepted, ask
 from beatrix_zenoh.client.session import Client, Place, chosen_name
-from beatrix_zenoh.client.slips import Suggesting, value_method
+from beatrix_zenoh.client.slips import Suggesting
 from beatrix_zenoh.client.subscription import FIRST_PICTURE_S, SILENCE_S, CameraImage, Subscription, message
 from beatrix_zenoh.contract import codec, names
 from beatrix_zenoh.contract._generated import keys
@@ -112,22 +112,18 @@ class RobotBase(ProcessBound, Suggesting):
     def _read(self, row: KeyRow, kind: type[M]) -> M:
         return ask(self.client, self.place, row(*self.place), None, kind, self.timeout_s)
 
-    @value_method
     def positions(self) -> Reading:
         """Query the current position, in degrees; raises NoAnswer with the cause if the robot does not answer."""
         return reading(self._read(keys.positions, Positions))
 
-    @value_method
     def status(self) -> RobotStatus:
         """Query the status: enabled, calibrated, holder, faults and more; raises the errors of `positions`."""
         return self._read(keys.status, RobotStatus)
 
-    @value_method
     def info(self) -> RobotInfo:
         """Query versions, limits and geometry (deg) and keys of the robot; raises the errors of `positions`."""
         return robot_info(self._read(keys.info, Info))
 
-    @value_method
     def log(self) -> Log:
         """Record positions and events from now until the end of its `with` block; then it has them as arrays.
 
@@ -137,7 +133,6 @@ class RobotBase(ProcessBound, Suggesting):
 
         return Log(self.client, self.place, self.info())
 
-    @value_method
     def stream(self, timeout_s: float | None = SILENCE_S) -> Subscription[Reading]:
         """Subscribe to positions in degrees, 50 per second.
 
@@ -146,22 +141,18 @@ class RobotBase(ProcessBound, Suggesting):
         key = keys.positions(self.name, self.side)
         return Subscription(self.client, key, message(Positions, reading), timeout_s=timeout_s)
 
-    @value_method
     def positions_stream(self, timeout_s: float | None = SILENCE_S) -> Subscription[Positions]:
         """Subscribe to positions as published (rad), with all fields; see `stream` for arguments and errors."""
         return subscription.positions(self.client, self.name, self.side, timeout_s=timeout_s)
 
-    @value_method
     def status_stream(self, timeout_s: float | None = SILENCE_S) -> Subscription[Status]:
         """Subscribe to the status, published on change and once a second; see `stream` for arguments and errors."""
         return subscription.status(self.client, self.name, self.side, timeout_s=timeout_s)
 
-    @value_method
     def events(self, timeout_s: float | None = None) -> Subscription[Event]:
         """Subscribe to events; see `stream` for arguments and errors."""
         return subscription.events(self.client, self.name, self.side, timeout_s=timeout_s)
 
-    @value_method
     def camera(self, eye: str, timeout_s: float | None = FIRST_PICTURE_S) -> Subscription[CameraImage]:
         """Subscribe to the pictures of the `left` or `right` eye; the camera works only while a client subscribes.
 
@@ -170,7 +161,6 @@ class RobotBase(ProcessBound, Suggesting):
         """
         return subscription.images(self.client, self.name, self.side, eye, timeout_s=timeout_s)
 
-    @value_method
     def microphones(self) -> Microphones:
         """Subscribe to the sound of both microphones, in blocks of 20 ms; they are on only while a client subscribes.
 
@@ -180,7 +170,6 @@ class RobotBase(ProcessBound, Suggesting):
 
         return Microphones(self.client, self.name, self.side)
 
-    @value_method
     def listen(self, seconds: float = 2.0) -> Sound:
         """Listen for this time (s, at most 60), and return what both microphones have heard.
 
@@ -191,7 +180,6 @@ class RobotBase(ProcessBound, Suggesting):
         with self.microphones() as blocks:
             return blocks.listen(seconds)
 
-    @value_method
     def past_events(self) -> list[Event]:
         """Query the newest events of the robot, at most 200, oldest first; raises the errors of `positions`."""
         return self._read(keys.events, Events).events
@@ -214,7 +202,6 @@ class RobotWithRoom(RobotBase):
     x (forward), y (left) and z (up) are distances (m) from the neck's centre.
     """
 
-    @value_method
     def target(self) -> TargetReply:
         """Return the place (m) of the simulated person in front of the robot: the middle between the eyes."""
         return self._ask_room(keys.target, None, TargetReply)

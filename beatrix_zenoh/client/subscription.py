@@ -14,7 +14,7 @@ import msgspec
 
 from beatrix_zenoh.bus import Bus, ProcessBound, Received, Reply
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.client.slips import Suggesting, value_method
+from beatrix_zenoh.client.slips import Suggesting
 from beatrix_zenoh.contract import codec, names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, FrameHeader, Positions, Reason, Status
@@ -141,7 +141,6 @@ class Inbox:
             self.dropped_keys[self._waiting.popleft().received.key] += 1
             self.dropped += 1
 
-    @value_method
     def next(self, timeout_s: float | None) -> Sample | None:
         """Return the oldest publication; None after `timeout_s` (s), or if the queue is closed and empty."""
         self._wakeup.wait_for(lambda: self._waiting or self.closed, timeout_s)
@@ -247,7 +246,6 @@ class Subscription(ProcessBound, Suggesting, Generic[T]):
             if arrival is not None:
                 return arrival
 
-    @value_method
     def take(self, timeout_s: float = 0.0) -> list[T]:
         """Return all unread publications, oldest first; wait up to `timeout_s` (s) for the first."""
         return [arrival.value for arrival in self.take_arrivals(timeout_s)]

@@ -12,7 +12,7 @@ from beatrix_zenoh.client.degrees import Reading, Speed, motion_query, pose_quer
 from beatrix_zenoh.client.plan import SAME_DEG, Plan, Start, distance, unlike
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.client.slips import Suggesting, value_method
+from beatrix_zenoh.client.slips import Suggesting
 from beatrix_zenoh.client.stopping import stop_robots
 from beatrix_zenoh.client.twin_motion import REPLACED, TwinMotion
 from beatrix_zenoh.client.twin_state import PlanPosition, check_may_move, check_may_switch, plan_position
@@ -221,7 +221,6 @@ class Twin(ProcessBound, Suggesting):
 
     # -- state -----------------------------------------------------------------------------------
 
-    @value_method
     def positions(self) -> TwinReading:
         """Return the current positions of both robots, in degrees; raises NoAnswer as `Robot.positions` does."""
         return TwinReading(self.sim.positions(), self.hw.positions())

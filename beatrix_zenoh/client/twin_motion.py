@@ -19,7 +19,7 @@ from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.robot_base import offset_of
-from beatrix_zenoh.client.slips import Suggesting, value_method
+from beatrix_zenoh.client.slips import Suggesting
 from beatrix_zenoh.client.stopping import StopEvents, sentence, stop_robots
 from beatrix_zenoh.client.twin_state import POLL_S, Lead, PlanPosition, Tokens
 from beatrix_zenoh.contract._generated.messages import MotionQuery, MotionReply, PoseQuery, Reason
@@ -116,17 +116,14 @@ class TwinMotion(ProcessBound, Suggesting):
         """Seconds until the motion is sent to the hardware; 0 if it was sent or will not be sent."""
         return self._lead.countdown_s
 
-    @value_method
     def done(self) -> bool:
         """Return whether the motion of both robots has ended, at its goal or before it."""
         return self._future.done()
 
-    @value_method
     def running(self) -> bool:
         """Return whether the motion has not ended yet."""
         return not self.done()
 
-    @value_method
     def result(self, timeout: float | None = None) -> TwinReplies:
         """Wait until both robots have arrived and return their final replies.
 
@@ -142,7 +139,6 @@ class TwinMotion(ProcessBound, Suggesting):
         self._wait(timeout)
         return self._future.result(0)
 
-    @value_method
     def exception(self, timeout: float | None = None) -> BaseException | None:
         """Wait as `result` does, but return the error that `result` would raise; None if both have arrived.
 
