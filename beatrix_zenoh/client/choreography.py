@@ -191,9 +191,7 @@ def play(
             Reason.BAD_VALUE,
             "lead_s is allowed only for both robots without lockstep: leave lead_s out.",
         )
-    if isinstance(robots, Robot):
-        _play_alone(robots, choreography, progress, check)
-    elif lockstep:
+    if lockstep and not isinstance(robots, Robot):
         _play_lockstep(robots, choreography, progress, check)
     else:
         _play_timed(robots, choreography, progress, check, lead_s)
@@ -287,49 +285,40 @@ def stopping(parts: Sequence[MovedRobot]) -> Iterator[None]:
             part.close()
 
 
-def _play_alone(
-    robot: Robot, choreography: Choreography, progress: Progress, check: Callable[[], None]
-) -> None:
-    part = _Player(robot)
-    begin_s = time.monotonic()
-    for title, pose in choreography.steps:
-        part.waiting.append(_WaitingPose(begin_s + pose.at, request(pose), title, pose))
-    with stopping([part]):
-        while not part.free:
-            check()
-            if (due := part.advance()) is not None:
-                progress(due.title, due.pose)
-            time.sleep(POLL_S)
-
-
 def _play_timed(
-    twin: RobotPair,
+    robots: RobotPair | Robot,
     choreography: Choreography,
     progress: Progress,
     check: Callable[[], None],
     lead_s: float,
 ) -> None:
-    """Preview each pose, begin it at its time on the simulation, and after the lead on the hardware."""
-    twin.check_ready()
-    sim, hw = _Player(twin.sim), _Player(twin.hw)
-    begin_s = time.monotonic()
+    """Begin each pose at its time; on both robots preview it, and begin it on the hardware after the lead."""
+    if isinstance(robots, Robot):
+        twin, first, others = None, _Player(robots), []
+    else:
+        robots.check_ready()
+        twin, first, others = robots, _Player(robots.sim), [_Player(robots.hw)]
+    begin_s, lead = time.monotonic(), lead_s if others else None
     coming = deque(
-        _WaitingPose(begin_s + pose.at, request(pose, lead_s), title, pose)
+        _WaitingPose(begin_s + pose.at, request(pose, lead), title, pose)
         for title, pose in choreography.steps
     )
     preview: Future[Plan] | None = None
     # A preview takes about 0.1 s; a thread of its own makes it, so that it does not delay the hardware.
-    with ThreadPoolExecutor(1, "beatrix-preview") as previews, stopping([sim, hw]):
-        while coming or not (sim.free and hw.free):
+    with ThreadPoolExecutor(1, "beatrix-preview") as previews, stopping([first, *others]):
+        while coming or not all(part.free for part in (first, *others)):
             check()
-            if coming and sim.free and preview is None:
+            if coming and first.free and preview is None and twin is not None:
                 preview = previews.submit(twin.preview_query, coming[0].query)
-            if preview is not None and preview.done():
-                preview.result()
+            if coming and (twin is None or (preview is not None and preview.done())):
+                if preview is not None:
+                    preview.result()
                 preview = None
-                sim.waiting.append(coming.popleft())
-            if (due := sim.advance()) is not None:
+                first.waiting.append(coming.popleft())
+            if (due := first.advance()) is not None:
                 progress(due.title, due.pose)
-                hw.waiting.append(due._replace(at_s=time.monotonic() + lead_s))
-            hw.advance()
+                for other in others:
+                    other.waiting.append(due._replace(at_s=time.monotonic() + lead_s))
+            for other in others:
+                other.advance()
             time.sleep(POLL_S)

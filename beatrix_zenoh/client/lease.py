@@ -57,11 +57,12 @@ class Lease(ProcessBound):
         """
         self._robot = robot
         self._given = bool(robot.given_lease) and robot.lease_number == robot.given_lease
-        self.number = (
-            robot.given_lease
-            if self._given
-            else take(robot, wait_s, longest_s=longest_s, speed=speed, told=told)
-        )
+        self.number = robot.given_lease
+        if not self._given:
+            action = LeaseAction.WAIT if wait_s > 0 else LeaseAction.TAKE
+            self.number = take(
+                robot, wait_s, LeaseQuery(action=action, speed=speed, longest_s=longest_s), told
+            )
         robot.lease_number = self.number
 
     def close(self) -> None:
@@ -79,18 +80,8 @@ class Lease(ProcessBound):
         self.close()
 
 
-def take(
-    robot: RobotBase,
-    wait_s: float,
-    *,
-    longest_s: float = 0.0,
-    speed: float = 0.0,
-    told: Callable[[Status | None], None] = lambda _: None,
-) -> int:
+def take(robot: RobotBase, wait_s: float, query: LeaseQuery, told: Callable[[Status | None], None]) -> int:
     """Take a robot, wait for it up to `wait_s` (s) if necessary, and return the number of the lease; raises Refused."""
-    query = LeaseQuery(
-        action=LeaseAction.WAIT if wait_s > 0 else LeaseAction.TAKE, speed=speed, longest_s=longest_s
-    )
     reply = send(robot, query)
     if reply.lease:
         return reply.lease

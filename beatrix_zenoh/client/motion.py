@@ -6,9 +6,10 @@ import threading
 import time
 from collections.abc import Callable
 from functools import partial
-from typing import Protocol, cast
+from typing import cast
 
 from beatrix_zenoh.bus import ProcessBound
+from beatrix_zenoh.client.request import Request
 from beatrix_zenoh.client.session import Dispatcher
 from beatrix_zenoh.client.slips import Suggesting
 from beatrix_zenoh.contract._generated.messages import CommandReply, MotionReply, Reason
@@ -21,22 +22,6 @@ NO_END = (
 )
 
 
-class Replies(Protocol):
-    """The source of the final reply: a `Request`."""
-
-    def reply(self, kind: type[MotionReply], timeout_s: float) -> MotionReply:
-        """Return the next reply; raises TimeoutError, or NoAnswer if there will be none."""
-
-    def notify(self, notify: Callable[[], None]) -> None:
-        """Call `notify` after every reply."""
-
-    def explain(self, limit_s: float) -> NoAnswer:
-        """Return the error of a reply that did not come within `limit_s`; takes up to 3 s."""
-
-    def close(self) -> None:
-        """Receive no more replies."""
-
-
 class Motion(ProcessBound, Suggesting):
     """A motion that a robot has accepted.
 
@@ -47,7 +32,7 @@ class Motion(ProcessBound, Suggesting):
     def __init__(
         self,
         robot: str,
-        replies: Replies,
+        replies: Request,
         accepted: MotionReply,
         stop: Callable[[], CommandReply],
         dispatcher: Dispatcher,

@@ -274,16 +274,6 @@ class Offset(NamedTuple):
         """The offset, or 0 if 0 is within its error, as for two programs on one computer, which share a clock."""
         return 0.0 if abs(self.offset) <= self.bound else self.offset
 
-    @property
-    def offset_ns(self) -> int:
-        """The offset in ns."""
-        return round(self.offset * 1e9)
-
-    @property
-    def bound_ns(self) -> int:
-        """The largest error in ns."""
-        return round(self.bound * 1e9)
-
 
 class Offsets(NamedTuple):
     """Offsets of both clocks of a robot, wall clock and monotonic clock."""

@@ -64,31 +64,20 @@ def parser(rows: Mapping[str, KeyRow], name: re.Pattern[str]) -> Callable[[str],
     It returns None if the key matches no row, or contains an invalid name of a robot, side or seat. `name` is the
     pattern of names of robots and seats.
     """
-    known = {row_name: row.key.split("/") for row_name, row in rows.items()}
-    valid = {"robot": name, "who": name, "side": re.compile("hw|sim")}
+    chunks = {"robot": name.pattern, "who": name.pattern, "side": "hw|sim"}
 
-    def parts_of(row_name: str, pattern: list[str], chunks: list[str]) -> Parts | None:
-        found: dict[str, str] = {}
-        for wanted, chunk in zip(pattern, chunks, strict=True):
-            field = wanted[1:-1]
-            if wanted[0] == "{":
-                if field in valid and chunk != "*" and not valid[field].fullmatch(chunk):
-                    return None
-                found[field] = chunk
-            elif wanted != chunk:
-                return None
-        if "robot" in found and "side" not in found:
-            found["side"] = pattern[2]
-        return Parts(row_name, **found)
+    def field(match: re.Match[str]) -> str:
+        return rf"(?P<{match[1]}>\*|{chunks.get(match[1], '[^/]+')})"
+
+    patterns = {row_name: re.compile(re.sub(r"{(\w+)}", field, row.key)) for row_name, row in rows.items()}
 
     @lru_cache(maxsize=1024)
     def parse(key: str) -> Parts | None:
-        chunks = key.split("/")
-        same_length = (
-            (row_name, pattern) for row_name, pattern in known.items() if len(pattern) == len(chunks)
-        )
-        matches = (parts_of(row_name, pattern, chunks) for row_name, pattern in same_length)
-        return next((parts for parts in matches if parts is not None), None)
+        for row_name, pattern in patterns.items():
+            if match := pattern.fullmatch(key):
+                found = Parts(row_name, **match.groupdict())
+                return found._replace(side="sim") if found.robot and not found.side else found
+        return None
 
     return parse
 
