@@ -171,19 +171,22 @@ KEY_DEFAULTS = {"kind": "query", "publish": "control", "rate_hz": 0}
 
 
 def key_row(row: dict[str, object]) -> str:
-    """Return the arguments of a KeyRow."""
+    """Return the call that makes a KeyRow."""
+    if row["kind"] == "publication and query" and row["publish"] == "control":
+        answer = () if row["reply"] == row["payload"] else (f"reply={row['reply']!r}",)
+        given = [f"{field}={row[field]!r}" for field in ("priority", "rate_hz") if field in row]
+        return f"stream({', '.join([repr(row['key']), repr(row['payload']), *answer, *given])})"
     values = [repr(row[field]) for field in KEY_FIELDS if field in row]
     options = {field: row.get(field, default) for field, default in KEY_DEFAULTS.items()}
-    return ", ".join(
-        values + [f"{name}={value!r}" for name, value in options.items() if value != KEY_DEFAULTS[name]]
-    )
+    values += [f"{name}={value!r}" for name, value in options.items() if value != KEY_DEFAULTS[name]]
+    return f"KeyRow({', '.join(values)})"
 
 
 def keys(contract: Contract) -> str:
     out = HEADER.format(doc="Key expressions of the Zenoh contract.", source="keys.toml")
     out += "import re\nfrom typing import Final\n\n"
-    out += "from beatrix_zenoh.contract.rows import KeyRow, parser\n\n"
-    out += "".join(f"{name} = KeyRow({key_row(row)})\n" for name, row in contract.keys.items())
+    out += "from beatrix_zenoh.contract.rows import KeyRow, parser, stream\n\n"
+    out += "".join(f"{name} = {key_row(row)}\n" for name, row in contract.keys.items())
     out += "\nKEYS: Final = {name: row for name, row in vars().items() if isinstance(row, KeyRow)}\n"
     out += "KEY_TEXT: Final = {\n"
     out += "".join(f"    {name!r}: {row['doc']!r},\n" for name, row in contract.keys.items()) + "}\n"

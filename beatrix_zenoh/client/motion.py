@@ -6,15 +6,24 @@ import threading
 import time
 from collections.abc import Callable
 from functools import partial
-from typing import cast
+from typing import Generic, TypeVar, cast
 
 from beatrix_zenoh.bus import ProcessBound
+from beatrix_zenoh.client.degrees import Speed, motion_query, pose_query, true_or_false
 from beatrix_zenoh.client.request import Request
 from beatrix_zenoh.client.session import Dispatcher
 from beatrix_zenoh.client.slips import Suggesting
-from beatrix_zenoh.contract._generated.messages import CommandReply, MotionReply, Reason
+from beatrix_zenoh.contract._generated.messages import (
+    CommandReply,
+    MotionQuery,
+    MotionReply,
+    PoseQuery,
+    Reason,
+)
 from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer
 
+MotionT = TypeVar("MotionT")
+PreviewT = TypeVar("PreviewT")
 MARGIN_S = 3.0
 """Time (s) from the announced end of a motion until its final reply counts as lost."""
 NO_END = (
@@ -181,3 +190,79 @@ def _error(end: MotionReply | BeatrixError) -> BeatrixError | None:
     if isinstance(end, BeatrixError):
         return end
     return None if end.result else Interrupted(end.reason, end.message, end.detail)
+
+
+class Movable(Suggesting, Generic[MotionT, PreviewT]):
+    """What takes motions: a robot, or both robots of one name."""
+
+    def look(
+        self,
+        yaw: float = 0.0,
+        pitch: float = 0.0,
+        roll: float = 0.0,
+        *,
+        relative: bool = False,
+        speed: float | None = None,
+        wait: bool = True,
+    ) -> MotionT:
+        """Turn the head (deg: yaw left, pitch nose-down, roll right-ear-down positive).
+
+        `speed` (deg/s) is that of the fastest arm. Returns when the head is at the goal; with wait=False, when the
+        robot has accepted the motion.
+
+        With relative=True the angles are added to the goal of the last motion, exactly, so that small turns add up. If
+        the head is not at this goal, because it still moves (wait=False) or was stopped, they are added to where it is
+        at that moment: a program that follows a face may send what it still sees missing as often as it likes. To add
+        up turns, wait for each; or count the angles yourself and send them without relative.
+
+        Raises:
+            Refused: the robot refused the motion; the error has the reason and, if there is one, an alternative.
+            NoAnswer: the robot or the router is not online, or does not answer.
+            Interrupted: the motion was stopped or replaced, or the robot ended it for another reason.
+        """
+        query = pose_query(yaw, pitch, roll, relative=relative, speed=speed)
+        return self._carry_out(query, wait=true_or_false("wait", wait))
+
+    def move(
+        self,
+        short: float,
+        middle: float,
+        long: float,
+        *,
+        relative: bool = False,
+        speed: Speed | None = None,
+        wait: bool = True,
+    ) -> MotionT:
+        """Turn the arms (deg, counter-clockwise from above positive).
+
+        `speed` (deg/s) is one number for all arms, or (short, middle, long). Everything else is as in `look`.
+        """
+        query = motion_query(short, middle, long, relative=relative, speed=speed)
+        return self._carry_out(query, wait=true_or_false("wait", wait))
+
+    def preview(
+        self,
+        yaw: float = 0.0,
+        pitch: float = 0.0,
+        roll: float = 0.0,
+        *,
+        relative: bool = False,
+        speed: float | None = None,
+    ) -> PreviewT:
+        """Try a motion of `look` on a copy of the simulation, faster than real time; the robot does not move.
+
+        Of a `Twin`, the plan can then be committed.
+
+        Raises:
+            WrongUsage: BAD_VALUE: this is hardware alone, or an argument is invalid.
+            Refused: `look` would be refused; the error has the reason and, if there is one, an alternative.
+            NoAnswer: the simulation or the router is not online, or does not answer.
+        """
+        return self.preview_query(pose_query(yaw, pitch, roll, relative=relative, speed=speed))
+
+    def _carry_out(self, query: MotionQuery | PoseQuery, *, wait: bool) -> MotionT:
+        raise NotImplementedError
+
+    def preview_query(self, query: MotionQuery | PoseQuery) -> PreviewT:
+        """Preview a motion (rad, rad/s); raises the errors of `preview`."""
+        raise NotImplementedError

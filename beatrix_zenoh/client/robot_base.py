@@ -91,7 +91,6 @@ class RobotBase(ProcessBound, Suggesting):
             if client is None:
                 self.client.close()
             raise
-        self._default_speed: float | None = None
         given = os.environ.get("BEATRIX_LEASE", "")
         self.given_lease = int(given) if given.isdecimal() else 0
         """Number of the lease that the program which started this one has taken, as `beatrix lesson turn` does; 0: none"""

@@ -336,26 +336,17 @@ def events(
     return Subscription(client, keys.events(robot, side), message(Event, same), timeout_s=timeout_s)
 
 
-@dataclass(frozen=True, repr=False)
-class CameraImage:
-    """A picture of one eye, or of a simulated head from outside."""
+class CameraImage(FrameHeader, frozen=True, kw_only=True):
+    """A picture of one eye, or of a simulated head from outside.
+
+    `seq` counts the pictures of each camera: a gap shows lost ones. `t_mono_ns` and `t_wall_ns` are the clocks of the
+    robot at the exposure (ns), `width` and `height` pixels, `source` the origin, for example `v4l2` or `pattern`.
+    """
 
     jpeg: bytes
     """the contents of a JPEG file"""
     eye: str
     """`left`, `right` or `outside`"""
-    seq: int
-    """number of the picture, counted for each camera; a gap shows lost pictures"""
-    t_mono_ns: int
-    """monotonic clock of the robot at the exposure (ns)"""
-    t_wall_ns: int
-    """wall clock of the robot at the exposure, ns since 1970"""
-    width: int
-    """pixels"""
-    height: int
-    """pixels"""
-    source: str
-    """origin of the picture, for example `v4l2`, `pattern` or `egl`"""
     arrived_mono_ns: int
     """monotonic clock of this computer at the arrival (ns)"""
     arrived_wall_ns: int

@@ -39,6 +39,12 @@ class KeyRow(NamedTuple):
         return self.key.format_map(dict(zip(_fields(self.key), names, strict=True)))
 
 
+def stream(key: str, payload: str, reply: str = "", priority: str = "data", rate_hz: int = 0) -> KeyRow:
+    """Return the row of messages that a robot publishes, and of which a query returns the newest; `reply`: several."""
+    kind = "publication and query"
+    return KeyRow(key, payload, reply or payload, "queries", priority, kind, rate_hz=rate_hz)
+
+
 @cache
 def _fields(pattern: str) -> list[str]:
     return re.findall(r"{(\w+)}", pattern)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from beatrix_zenoh.contract.rows import KeyRow, parser
+from beatrix_zenoh.contract.rows import KeyRow, parser, stream
 
 motion = KeyRow("beatrix/{robot}/{side}/cmd/{who}/motion", "MotionQuery", "MotionReply", "motion")
 pose = KeyRow("beatrix/{robot}/{side}/cmd/{who}/pose", "PoseQuery", "MotionReply", "motion")
@@ -30,46 +30,14 @@ preview = KeyRow(
 follow = KeyRow(
     "beatrix/{robot}/sim/cmd/{who}/follow", "FollowQuery", "CommandReply", "control", "interactive_high"
 )
-positions = KeyRow(
-    "beatrix/{robot}/{side}/state/positions",
-    "Positions",
-    "Positions",
-    "queries",
-    "interactive_high",
-    kind="publication and query",
-    rate_hz=50,
+positions = stream(
+    "beatrix/{robot}/{side}/state/positions", "Positions", priority="interactive_high", rate_hz=50
 )
-positions_json = KeyRow(
-    "beatrix/{robot}/{side}/state/positions/json",
-    "Positions",
-    "Positions",
-    "queries",
-    kind="publication and query",
-    rate_hz=50,
-)
-status = KeyRow(
-    "beatrix/{robot}/{side}/state/status",
-    "Status",
-    "Status",
-    "queries",
-    "interactive_high",
-    kind="publication and query",
-    rate_hz=1,
-)
-status_json = KeyRow(
-    "beatrix/{robot}/{side}/state/status/json",
-    "Status",
-    "Status",
-    "queries",
-    kind="publication and query",
-    rate_hz=1,
-)
-events = KeyRow(
-    "beatrix/{robot}/{side}/state/events", "Event", "Events", "queries", kind="publication and query"
-)
-events_json = KeyRow(
-    "beatrix/{robot}/{side}/state/events/json", "Event", "Events", "queries", kind="publication and query"
-)
+positions_json = stream("beatrix/{robot}/{side}/state/positions/json", "Positions", rate_hz=50)
+status = stream("beatrix/{robot}/{side}/state/status", "Status", priority="interactive_high", rate_hz=1)
+status_json = stream("beatrix/{robot}/{side}/state/status/json", "Status", rate_hz=1)
+events = stream("beatrix/{robot}/{side}/state/events", "Event", reply="Events")
+events_json = stream("beatrix/{robot}/{side}/state/events/json", "Event", reply="Events")
 camera = KeyRow(
     "beatrix/{robot}/{side}/state/camera/{eye}",
     "JPEG, with FrameHeader as attachment",
