@@ -18,9 +18,10 @@ from beatrix_zenoh.client import motion_file
 from beatrix_zenoh.client.degrees import HeadAngles, checked_seconds, motion_query, pose_query
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.motion_file import FORM, SPEED, MotionFile, Place, WrongLine
-from beatrix_zenoh.client.plan import Plan, RobotPair
+from beatrix_zenoh.client.plan import Plan
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.stopping import StopEvents
+from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.client.twin_motion import ended, runs, stopped
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason, Source
 from beatrix_zenoh.contract.errors import WrongUsage, naming
@@ -164,7 +165,7 @@ Progress = Callable[[str, Step], None]
 
 
 def play(
-    robots: RobotPair | Robot,
+    robots: Twin | Robot,
     choreography: Choreography,
     progress: Progress = lambda _title, _pose: None,
     *,
@@ -198,7 +199,7 @@ def play(
 
 
 def _play_lockstep(
-    twin: RobotPair, choreography: Choreography, progress: Progress, check: Callable[[], None]
+    twin: Twin, choreography: Choreography, progress: Progress, check: Callable[[], None]
 ) -> None:
     begin_s = time.monotonic()
     for title, pose in choreography.steps:
@@ -286,7 +287,7 @@ def stopping(parts: Sequence[MovedRobot]) -> Iterator[None]:
 
 
 def _play_timed(
-    robots: RobotPair | Robot,
+    robots: Twin | Robot,
     choreography: Choreography,
     progress: Progress,
     check: Callable[[], None],

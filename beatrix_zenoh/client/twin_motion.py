@@ -339,12 +339,6 @@ class TwinMotion(ProcessBound, Suggesting):
         match begun:
             case [float(sim_s), float(hw_s)]:
                 self.lag_s = hw_s - sim_s
-                LOG.info(
-                    "%s: the hardware began %.3f s after the simulation; lead %.3f s.",
-                    self._hw.name,
-                    self.lag_s,
-                    self.lead_s,
-                )
 
 
 def stopped(error: BaseException, moving: list[Robot], unmoved: str = "") -> BaseException:
