@@ -7,6 +7,8 @@ from emit_python import HEADER, doc_of
 
 IN_FIRMWARE = ("heartbeat_timeout", "text_start", "text_motion")
 """Constants of the link that no host needs."""
+BARE = ("ACK", "SET_NAME")
+"""Frames with one field, which hosts read and write as bytes."""
 STRUCT = {"u8": "B", "u16": "H", "u32": "I", "i16": "h", "i32": "i"}
 
 
@@ -62,7 +64,7 @@ def serial(contract: Contract) -> str:
     out += "\n    __and__ = __rand__ = int.__and__  # type: ignore[assignment] # quick: IntFlag makes a member each time\n"
     out += '\n\nclass FrameType(IntEnum):\n    """First byte of a frame."""\n\n'
     out += "".join(f'    {n} = 0x{r["type"]:02X}\n    """{r["doc"]}"""\n' for n, r in table["frame"].items())
-    frames = {name: frame for name, frame in table["frame"].items() if "fields" in frame}
+    frames = {name: frame for name, frame in table["frame"].items() if "fields" in frame and name not in BARE}
     return out + "".join("\n\n" + frame_class(name, frame) for name, frame in frames.items())
 
 

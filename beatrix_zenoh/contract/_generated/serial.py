@@ -171,16 +171,6 @@ class Enable(Frame, frozen=True):
     """0 or 1"""
 
 
-class SetName(Frame, frozen=True):
-    """Store this robot name in non-volatile memory. Answered with ACK."""
-
-    kind: ClassVar[FrameType] = FrameType.SET_NAME
-    layout = struct.Struct("<32s")
-    counts = (1,)
-    name: bytes
-    """[a-z0-9-], padded with zeros"""
-
-
 class MoveStraight(Frame, frozen=True):
     """As MOVE, but from rest all arms start and arrive together, because arms with a shorter distance move more slowly. An arm with one or two steps makes them within the time of the others. From a running motion the speeds are chosen in the same way, each arm has its full ramps, and the arms arrive at about the same time. Answered with ACK."""
 
@@ -209,16 +199,6 @@ class HelloReply(Frame, frozen=True):
     """number of starts of the board"""
     name: bytes
     """robot name, padded with zeros"""
-
-
-class Ack(Frame, frozen=True):
-    """Answer to all other requests; its type on the wire is the request's type | 0x80."""
-
-    kind: ClassVar[FrameType] = FrameType.ACK
-    layout = struct.Struct("<B")
-    counts = (1,)
-    error: int
-    """0 or an error code"""
 
 
 class Telemetry(Frame, frozen=True):
