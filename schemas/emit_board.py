@@ -5,6 +5,10 @@ from __future__ import annotations
 from contract import Contract, rows
 from emit_python import HEADER, doc_of
 
+IN_FIRMWARE = ("heartbeat_timeout", "text_start", "text_motion")
+"""Constants of the link that no host needs."""
+BARE = ("ACK", "SET_NAME")
+"""Frames with one field, which hosts read and write as bytes."""
 STRUCT = {"u8": "B", "u16": "H", "u32": "I", "i16": "h", "i32": "i"}
 
 
@@ -48,6 +52,8 @@ def serial(contract: Contract) -> str:
     out += "from beatrix_zenoh.contract.rows import Code, Frame\n\n"
     out += f'CONTRACT: Final = 0x{contract.serial_hash:08X}\n"""Hash of the serial contract and of the robot values in the firmware, compared in HELLO."""\n'
     for name, row in table["link"].items():
+        if name in IN_FIRMWARE:
+            continue
         out += f'{name.upper()}: Final = {row["value"]}\n"""{doc_of(row)}"""\n'
     for title, key in (("Error", "error"), ("BoardOutcome", "outcome"), ("WarningCode", "warning")):
         out += codes(title, key, table[key])
@@ -58,7 +64,7 @@ def serial(contract: Contract) -> str:
     out += "\n    __and__ = __rand__ = int.__and__  # type: ignore[assignment] # quick: IntFlag makes a member each time\n"
     out += '\n\nclass FrameType(IntEnum):\n    """First byte of a frame."""\n\n'
     out += "".join(f'    {n} = 0x{r["type"]:02X}\n    """{r["doc"]}"""\n' for n, r in table["frame"].items())
-    frames = {name: frame for name, frame in table["frame"].items() if "fields" in frame}
+    frames = {name: frame for name, frame in table["frame"].items() if "fields" in frame and name not in BARE}
     return out + "".join("\n\n" + frame_class(name, frame) for name, frame in frames.items())
 
 
@@ -70,21 +76,12 @@ def python_value(value: object) -> tuple[str, str]:
     return type(value).__name__, repr(value)
 
 
-def robot_ranges(contract: Contract) -> str:
-    """Return the Python source of the ranges of the fields that a robot file may change."""
-    out = '\n\nclass Range(NamedTuple):\n    """Range of a field in a robot file; a bound is infinite if another value or the firmware limits the field."""\n\n'
-    out += "    low: float\n    high: float\n    unit: str\n"
-    out += "\n\nALLOWED: Final[dict[str, dict[str, Range]]] = {\n"
-    for group, table in contract.robot.items():
-        if group in FIXED:
-            continue
-        ranges = {
-            name: f"Range({row.get('min', '-inf')}, {row.get('max', 'inf')}, {row['unit']!r})"
-            for name, row in rows(table).items()
-            if "min" in row or "max" in row
-        }
-        out += f"    {group!r}: {{" + "".join(f"{name!r}: {text}, " for name, text in ranges.items()) + "},\n"
-    return out + '}\n"""Ranges of the fields that a robot file may change, by table."""\n'
+def field_type(group: str, row: dict[str, object]) -> str:
+    """Return the type of a robot value as Python source, with its range if a robot file may change it."""
+    kind, _ = python_value(row["value"])
+    if group in FIXED or not ("min" in row or "max" in row):
+        return kind
+    return f"Annotated[{kind}, Range({row.get('min', '-inf')}, {row.get('max', 'inf')}, {row['unit']!r})]"
 
 
 FIXED = ("sizes", "colours")
@@ -93,19 +90,22 @@ FIXED = ("sizes", "colours")
 
 def robot(contract: Contract) -> str:
     out = HEADER.format(doc="The robot as it ships.", source="robot.toml")
-    out += "from math import inf\nfrom typing import Final, NamedTuple\n\nfrom msgspec import Struct\n"
+    out += "from math import inf\nfrom typing import Annotated, Final\n\nfrom msgspec import Struct\n\n"
+    out += "from beatrix_zenoh.contract.rows import Range, ranges\n"
     for group, table in contract.robot.items():
         out += f'\n\nclass {group.title()}Data(Struct, frozen=True, forbid_unknown_fields=True):\n    """{table["doc"]}"""\n\n'
         for name, row in rows(table).items():
-            kind, literal = python_value(row["value"])
-            out += f'    {name}: {kind} = {literal}\n    """{doc_of(row)}; {row["source"]}"""\n'
+            _, literal = python_value(row["value"])
+            out += f'    {name}: {field_type(group, row)} = {literal}\n    """{doc_of(row)}; {row["source"]}"""\n'
     out += '\n\nclass RobotData(Struct, frozen=True, forbid_unknown_fields=True):\n    """All values of robot.toml, in its units."""\n\n'
     out += "".join(
         f"    {g}: {g.title()}Data = {g.title()}Data()\n" for g in contract.robot if g not in FIXED
     )
     out += '\n\nROBOT: Final = RobotData()\n"""The shipped robot."""\n'
     out += "".join(f"{group.upper()}: Final = {group.title()}Data()\n" for group in FIXED)
-    return out + robot_ranges(contract)
+    return out + (
+        'ALLOWED: Final = ranges(RobotData)\n"""Ranges of the fields that a robot file may change, by table."""\n'
+    )
 
 
 def files(contract: Contract) -> dict[str, str]:

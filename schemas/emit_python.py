@@ -33,6 +33,11 @@ TEXT = """
 """
 SHOWN = ("Reason", "Fault")
 """Enumerations whose texts programs show to users."""
+BASES = {
+    "Outcome": ("The outcome of a request.", ("result", "reason", "message", "detail")),
+    "Sample": ("One of a numbered series, with the clocks of its source.", ("seq", "t_mono_ns", "t_wall_ns")),
+}
+"""Classes of the first fields that several messages share."""
 
 
 def doc_of(row: dict[str, object]) -> str:
@@ -57,9 +62,31 @@ def default_of(row: dict[str, object]) -> str:
     return f" = {row['default']!r}" if "default" in row else ""
 
 
+def base_of(table: dict[str, object]) -> str:
+    """Return the class with the first fields of a message."""
+    first = list(rows(table).items())
+    for base, (_, names) in BASES.items():
+        begin = first[: len(names)]
+        if [name for name, _ in begin] == [*names] and all(
+            row.get("optional") for n, row in begin if n == "detail"
+        ):
+            return base
+    return "Struct"
+
+
+def base_class(base: str, tables: dict[str, dict[str, object]]) -> str:
+    doc, names = BASES[base]
+    table = next(table for table in tables.values() if base_of(table) == base)
+    fields = "".join(
+        f"    {name}: {field_type(rows(table)[name])}{default_of(rows(table)[name])}\n" for name in names
+    )
+    return f'\n\nclass {base}(Struct, frozen=True, kw_only=True):\n    """{doc}"""\n\n{fields}'
+
+
 def struct_class(name: str, table: dict[str, object]) -> str:
     request = bool(table.get("request"))
-    fields = rows(table)
+    base, fields = base_of(table), rows(table)
+    fields = {field: row for field, row in fields.items() if base not in BASES or field not in BASES[base][1]}
     renames = {field: row["wire"] for field, row in fields.items() if "wire" in row}
     options = ["frozen=True", "kw_only=True"]
     if name in ("Vector3", "Steps", "Head"):
@@ -68,7 +95,7 @@ def struct_class(name: str, table: dict[str, object]) -> str:
         options.append("forbid_unknown_fields=True")
     if renames:
         options.append(f"rename={renames!r}")
-    lines = [f"class {name}(Struct, {', '.join(options)}):", f'    """{table["doc"]}"""', ""]
+    lines = [f"class {name}({base}, {', '.join(options)}):", f'    """{table["doc"]}"""', ""]
     for field, row in fields.items():
         lines.append(f"    {field}: {field_type(row)}{default_of(row)}")
         lines.append(f'    """{doc_of(row)}"""')
@@ -88,22 +115,20 @@ def enum_class(name: str, table: dict[str, object]) -> str:
 
 def messages(contract: Contract) -> str:
     out = HEADER.format(doc="Messages of the Zenoh contract.", source="messages.toml")
-    out += "from enum import IntEnum, StrEnum\nfrom typing import Annotated, Final\n\nfrom msgspec import Meta, Struct\n\n"
-    out += "from beatrix_zenoh.contract.rows import Word\n\n"
+    out += "from enum import StrEnum\nfrom typing import Annotated, Final\n\nfrom msgspec import Meta, Struct\n\n"
+    out += "from beatrix_zenoh.contract.rows import Code, Word\n\n"
     out += f'CONTRACT: Final = "{contract.bus_hash:08x}"\n"""Hash of messages and keys."""\n'
     out += FLOAT32
     for kind, row in contract.messages["text"].items():
         out += TEXT.format(alias=SCALARS[kind], kind=kind, **row)
     for name, table in contract.messages["enum"].items():
         out += "\n\n" + enum_class(name, table) + "\n"
-    commands = contract.messages["command"]
-    out += '\n\nclass Command(IntEnum):\n    """Numbers of CommandQuery."""\n\n'
-    for name, row in commands.items():
-        out += f'    {name} = {row["code"]}\n    """{row["doc"]}"""\n'
-    out += "\n\nCOMMAND_TEXT: Final[dict[Command, str]] = {\n"
-    out += "".join(f"    Command.{name}: {row['doc']!r},\n" for name, row in commands.items())
-    out += "}\n"
-    for name, table in contract.messages["message"].items():
+    out += '\n\nclass Command(Code):\n    """Numbers of CommandQuery."""\n\n'
+    for name, row in contract.messages["command"].items():
+        out += f"    {name} = {row['code']}, {row['doc']!r}\n"
+    tables = contract.messages["message"]
+    out += "".join(base_class(base, tables) for base in BASES)
+    for name, table in tables.items():
         out += "\n\n" + struct_class(name, table) + "\n"
     return out
 
@@ -127,46 +152,47 @@ def values(contract: Contract) -> str:
         doc="The values that robots publish, for all programs that show them.", source="messages.toml"
     )
     out += "from typing import Final\n\nfrom msgspec import Struct\n\n"
-    names = published(contract)
-    out += f"from beatrix_zenoh.contract._generated.messages import {', '.join(sorted(names))}\n"
+    out += "from beatrix_zenoh.contract._generated import messages\n"
     out += "from beatrix_zenoh.contract.rows import ValueRow\n\n"
     out += "VALUES: Final[dict[type[Struct], dict[str, ValueRow]]] = {\n"
-    for name in names:
-        lines = ""
+    for name in published(contract):
+        found = []
         for field, row in rows(contract.messages["message"][name]).items():
             how = ", ".join(f"{entry}={row[entry]!r}" for entry in HOW if entry in row)
-            lines += f"        {field!r}: ValueRow({how}),\n" if how else ""
-        out += f"    {name}: {{\n{lines}    }},\n"
+            found += [f"{field!r}: ValueRow({how})"] if how else []
+        out += f"    messages.{name}: {{{', '.join(found)}}},\n"
     return out + "}\n"
 
 
-KEY_OPTIONS = ("publish", "sides", "priority", "congestion", "rate_hz")
+KEY_FIELDS = ("key", "payload", "reply", "session", "priority")
+"""Fields of KeyRow that a row has at their places, the last of them only if it differs from the default."""
+KEY_DEFAULTS = {"kind": "query", "publish": "control", "rate_hz": 0}
 """Fields of KeyRow that a row may leave out."""
+
+
+def key_row(row: dict[str, object]) -> str:
+    """Return the call that makes a KeyRow."""
+    if row["kind"] == "publication and query" and row["publish"] == "control":
+        answer = () if row["reply"] == row["payload"] else (f"reply={row['reply']!r}",)
+        given = [f"{field}={row[field]!r}" for field in ("priority", "rate_hz") if field in row]
+        return f"stream({', '.join([repr(row['key']), repr(row['payload']), *answer, *given])})"
+    values = [repr(row[field]) for field in KEY_FIELDS if field in row]
+    options = {field: row.get(field, default) for field, default in KEY_DEFAULTS.items()}
+    values += [f"{name}={value!r}" for name, value in options.items() if value != KEY_DEFAULTS[name]]
+    return f"KeyRow({', '.join(values)})"
 
 
 def keys(contract: Contract) -> str:
     out = HEADER.format(doc="Key expressions of the Zenoh contract.", source="keys.toml")
     out += "import re\nfrom typing import Final\n\n"
-    out += "from beatrix_zenoh.contract.rows import KeyRow, parser\n\n"
-    out += "KEYS: Final[dict[str, KeyRow]] = {\n"
-    for name, row in contract.keys.items():
-        values = [repr(row[field]) for field in ("key", "kind", "payload", "reply", "session")]
-        given = {**row, "sides": (row["side"],)} if "side" in row else row
-        values += [f"{field}={given[field]!r}" for field in KEY_OPTIONS if field in given]
-        out += f"    {name!r}: KeyRow({', '.join(values)}),\n"
-    out += "}\n\n\nKEY_TEXT: Final[dict[str, str]] = {\n"
+    out += "from beatrix_zenoh.contract.rows import KeyRow, parser, stream\n\n"
+    out += "".join(f"{name} = {key_row(row)}\n" for name, row in contract.keys.items())
+    out += "\nKEYS: Final = {name: row for name, row in vars().items() if isinstance(row, KeyRow)}\n"
+    out += "KEY_TEXT: Final = {\n"
     out += "".join(f"    {name!r}: {row['doc']!r},\n" for name, row in contract.keys.items()) + "}\n"
-    for name, row in contract.keys.items():
-        pattern = str(row["key"])
-        names = [part[1:-1] for part in pattern.split("/") if part.startswith("{")]
-        arguments = ", ".join(f"{argument}: str" for argument in names)
-        out += f'\n\ndef {name}({arguments}) -> str:\n    """Return the key `{pattern}`.\n\n    {row["doc"]}\n    """\n    return f"{pattern}"\n'
     longest = contract.messages["text"]["name"]["longest"]
-    out += f'\n\nNAME: Final = re.compile(r"[a-z0-9-]{{1,{longest}}}")\n"""Names of robots and seats."""\n'
-    out += "parse = parser(KEYS, NAME)\n"
-    rates = {name: row["rate_hz"] for name, row in contract.keys.items() if "rate_hz" in row}
-    out += "\n\n" + "".join(f"{name.upper()}_HZ: Final = {rate}\n" for name, rate in rates.items())
-    return out
+    out += f'NAME: Final = re.compile(r"[a-z0-9-]{{1,{longest}}}")\n"""Names of robots and seats."""\n'
+    return out + "parse = parser(KEYS, NAME)\n"
 
 
 def files(contract: Contract) -> dict[str, str]:

@@ -24,7 +24,7 @@ from sim_node.sound_queries import SoundSource, sound_queries
 from sim_node.target import PersonTarget, TargetPath, target_queries
 from sim_node.viewer import SceneViewer
 
-PERIOD_S = 1 / keys.POSITIONS_HZ
+PERIOD_S = 1 / keys.positions.rate_hz
 """Period (s) of the turns, which make the steps that are due: that of the publications, which follow in the same pass."""
 BUSY_PERIOD_S = 0.010
 """Period (s) just after a frame for the board has arrived: that of the telemetry, which shows its effect."""

@@ -134,7 +134,7 @@ class Crowd:
         unheard = sum(expected - seat["robots"] for seat in found)
         cpu = [(late - early) / seconds for early, late in zip(before, after, strict=True)]
         return Load(
-            sum(seat["sent"] for seat in found) + round(unheard * LASTS_S * keys.POSITIONS_HZ),
+            sum(seat["sent"] for seat in found) + round(unheard * LASTS_S * keys.positions.rate_hz),
             sorted(age for seat in found for age in seat["ages_ms"]),
             (cpu[0], cpu[1], cpu[2]),
         )

@@ -26,7 +26,7 @@ from beatrix_zenoh import account as accounts
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus.callbacks import direct
 from beatrix_zenoh.contract import codec
-from beatrix_zenoh.contract._generated.keys import POSITIONS_HZ
+from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Head, Positions, Steps, Vector3
 from beatrix_zenoh.contract.errors import Refused
 
@@ -119,7 +119,7 @@ class Bare:
 def robots(publishing: list[tuple[str, Ours | Bare]]) -> None:
     """Publish at 50 Hz for each robot, one after the other within each period, until the end of the input."""
     puts = [session.publish(key) for key, session in publishing]
-    period_s = 1 / POSITIONS_HZ / len(puts)
+    period_s = 1 / keys.positions.rate_hz / len(puts)
     number, due_s = 0, time.monotonic()
     print("ready", flush=True)
     while not select.select([sys.stdin], [], [], max(0.0, due_s - time.monotonic()))[0]:

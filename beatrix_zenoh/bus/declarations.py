@@ -16,12 +16,10 @@ from beatrix_zenoh.bus.callbacks import direct
 from beatrix_zenoh.bus.forks import ProcessBound
 from beatrix_zenoh.bus.query import priority_of
 from beatrix_zenoh.bus.transport import closed
-from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
 
 CLOSED = "This connection was closed by this program: create a new Robot, or send requests before close()."
-CONGESTION = {"drop": zenoh.CongestionControl.DROP, "block": zenoh.CongestionControl.BLOCK}
 MATCHING_S: Final = 1.0
 """Age (s) at which the answer of Zenoh about subscribers is renewed, even if Zenoh has reported no change."""
 T = TypeVar("T")
@@ -182,13 +180,11 @@ class Publication:
 
     def declare(self, session: zenoh.Session) -> zenoh.Publisher:
         """Declare the publisher on a session, in place of the publisher of an earlier session."""
-        parts = keys.parse(self._key)
-        row = None if parts is None else keys.KEYS[parts.row]
         self._publisher = session.declare_publisher(
             self._key,
             encoding=self._encoding,
             priority=priority_of(self._key),
-            congestion_control=CONGESTION["drop" if row is None else row.congestion],
+            congestion_control=zenoh.CongestionControl.DROP,
         )
         # The listener ends with its publisher. Zenoh does not call a new one if the key has no subscribers, so call
         # `_changed` here.

@@ -146,11 +146,11 @@ class Bus(MessageSession):
 
     def robots(self, timeout_s: float = 1.0) -> list[tuple[str, str]]:
         """Return name and side of every robot online."""
-        return _places(self.tokens(keys.alive(robot="*", side="*"), timeout_s))
+        return _places(self.tokens(keys.alive("*", "*"), timeout_s))
 
     def claims(self) -> list[tuple[str, str]]:
         """Return name and side of every node that serves or starts; in joined networks one robot may occur twice."""
-        return _places(self.tokens(keys.claim(robot="*", side="*", session="*")))
+        return _places(self.tokens(keys.claim("*", "*", "*")))
 
 
 def hanging_router(endpoint: str) -> str:

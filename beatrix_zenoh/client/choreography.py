@@ -18,9 +18,10 @@ from beatrix_zenoh.client import motion_file
 from beatrix_zenoh.client.degrees import HeadAngles, checked_seconds, motion_query, pose_query
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.motion_file import FORM, SPEED, MotionFile, Place, WrongLine
-from beatrix_zenoh.client.plan import Plan, RobotPair
+from beatrix_zenoh.client.plan import Plan
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.stopping import StopEvents
+from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.client.twin_motion import ended, runs, stopped
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason, Source
 from beatrix_zenoh.contract.errors import WrongUsage, naming
@@ -164,7 +165,7 @@ Progress = Callable[[str, Step], None]
 
 
 def play(
-    robots: RobotPair | Robot,
+    robots: Twin | Robot,
     choreography: Choreography,
     progress: Progress = lambda _title, _pose: None,
     *,
@@ -191,16 +192,14 @@ def play(
             Reason.BAD_VALUE,
             "lead_s is allowed only for both robots without lockstep: leave lead_s out.",
         )
-    if isinstance(robots, Robot):
-        _play_alone(robots, choreography, progress, check)
-    elif lockstep:
+    if lockstep and not isinstance(robots, Robot):
         _play_lockstep(robots, choreography, progress, check)
     else:
         _play_timed(robots, choreography, progress, check, lead_s)
 
 
 def _play_lockstep(
-    twin: RobotPair, choreography: Choreography, progress: Progress, check: Callable[[], None]
+    twin: Twin, choreography: Choreography, progress: Progress, check: Callable[[], None]
 ) -> None:
     begin_s = time.monotonic()
     for title, pose in choreography.steps:
@@ -287,49 +286,40 @@ def stopping(parts: Sequence[MovedRobot]) -> Iterator[None]:
             part.close()
 
 
-def _play_alone(
-    robot: Robot, choreography: Choreography, progress: Progress, check: Callable[[], None]
-) -> None:
-    part = _Player(robot)
-    begin_s = time.monotonic()
-    for title, pose in choreography.steps:
-        part.waiting.append(_WaitingPose(begin_s + pose.at, request(pose), title, pose))
-    with stopping([part]):
-        while not part.free:
-            check()
-            if (due := part.advance()) is not None:
-                progress(due.title, due.pose)
-            time.sleep(POLL_S)
-
-
 def _play_timed(
-    twin: RobotPair,
+    robots: Twin | Robot,
     choreography: Choreography,
     progress: Progress,
     check: Callable[[], None],
     lead_s: float,
 ) -> None:
-    """Preview each pose, begin it at its time on the simulation, and after the lead on the hardware."""
-    twin.check_ready()
-    sim, hw = _Player(twin.sim), _Player(twin.hw)
-    begin_s = time.monotonic()
+    """Begin each pose at its time; on both robots preview it, and begin it on the hardware after the lead."""
+    if isinstance(robots, Robot):
+        twin, first, others = None, _Player(robots), []
+    else:
+        robots.check_ready()
+        twin, first, others = robots, _Player(robots.sim), [_Player(robots.hw)]
+    begin_s, lead = time.monotonic(), lead_s if others else None
     coming = deque(
-        _WaitingPose(begin_s + pose.at, request(pose, lead_s), title, pose)
+        _WaitingPose(begin_s + pose.at, request(pose, lead), title, pose)
         for title, pose in choreography.steps
     )
     preview: Future[Plan] | None = None
     # A preview takes about 0.1 s; a thread of its own makes it, so that it does not delay the hardware.
-    with ThreadPoolExecutor(1, "beatrix-preview") as previews, stopping([sim, hw]):
-        while coming or not (sim.free and hw.free):
+    with ThreadPoolExecutor(1, "beatrix-preview") as previews, stopping([first, *others]):
+        while coming or not all(part.free for part in (first, *others)):
             check()
-            if coming and sim.free and preview is None:
+            if coming and first.free and preview is None and twin is not None:
                 preview = previews.submit(twin.preview_query, coming[0].query)
-            if preview is not None and preview.done():
-                preview.result()
+            if coming and (twin is None or (preview is not None and preview.done())):
+                if preview is not None:
+                    preview.result()
                 preview = None
-                sim.waiting.append(coming.popleft())
-            if (due := sim.advance()) is not None:
+                first.waiting.append(coming.popleft())
+            if (due := first.advance()) is not None:
                 progress(due.title, due.pose)
-                hw.waiting.append(due._replace(at_s=time.monotonic() + lead_s))
-            hw.advance()
+                for other in others:
+                    other.waiting.append(due._replace(at_s=time.monotonic() + lead_s))
+            for other in others:
+                other.advance()
             time.sleep(POLL_S)

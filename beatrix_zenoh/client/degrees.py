@@ -225,6 +225,11 @@ def checked_number(what: str, value: float, unit: str) -> float:
     return finite
 
 
+def checked_place(x: float, y: float, z: float) -> tuple[float, float, float]:
+    """Return a place in m; raises the errors of `checked_number`."""
+    return checked_number("x", x, "m"), checked_number("y", y, "m"), checked_number("z", z, "m")
+
+
 def true_or_false(what: str, on: bool) -> bool:  # noqa: FBT001
     """Return `on`; raises WrongUsage unless it is a bool, because the text "no" would count as true."""
     if isinstance(on, bool):

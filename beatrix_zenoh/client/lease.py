@@ -12,7 +12,7 @@ from typing import Self
 
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.degrees import checked_number
-from beatrix_zenoh.client.request import GroupRequest, Request
+from beatrix_zenoh.client.request import GroupRequest, Request, accepted, outcome
 from beatrix_zenoh.client.request import ask as ask_robot
 from beatrix_zenoh.client.robot_base import RobotBase
 from beatrix_zenoh.client.session import Client, Place
@@ -20,7 +20,7 @@ from beatrix_zenoh.client.subscription import SILENCE_S
 from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LeaseAction, LeaseQuery, LeaseReply, Reason, Status
-from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, WrongUsage
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, WrongUsage
 
 ANSWER_S = 2.0
 """Time limit (s) of the reply of each robot."""
@@ -57,11 +57,12 @@ class Lease(ProcessBound):
         """
         self._robot = robot
         self._given = bool(robot.given_lease) and robot.lease_number == robot.given_lease
-        self.number = (
-            robot.given_lease
-            if self._given
-            else take(robot, wait_s, longest_s=longest_s, speed=speed, told=told)
-        )
+        self.number = robot.given_lease
+        if not self._given:
+            action = LeaseAction.WAIT if wait_s > 0 else LeaseAction.TAKE
+            self.number = take(
+                robot, wait_s, LeaseQuery(action=action, speed=speed, longest_s=longest_s), told
+            )
         robot.lease_number = self.number
 
     def close(self) -> None:
@@ -79,18 +80,8 @@ class Lease(ProcessBound):
         self.close()
 
 
-def take(
-    robot: RobotBase,
-    wait_s: float,
-    *,
-    longest_s: float = 0.0,
-    speed: float = 0.0,
-    told: Callable[[Status | None], None] = lambda _: None,
-) -> int:
+def take(robot: RobotBase, wait_s: float, query: LeaseQuery, told: Callable[[Status | None], None]) -> int:
     """Take a robot, wait for it up to `wait_s` (s) if necessary, and return the number of the lease; raises Refused."""
-    query = LeaseQuery(
-        action=LeaseAction.WAIT if wait_s > 0 else LeaseAction.TAKE, speed=speed, longest_s=longest_s
-    )
     reply = send(robot, query)
     if reply.lease:
         return reply.lease
@@ -162,10 +153,7 @@ def ask(robot: RobotBase, action: LeaseAction, speed: float = 0.0, seat: str = "
 def send(robot: RobotBase, query: LeaseQuery) -> LeaseReply:
     """Send a lease query; raises Refused or NoAnswer."""
     key = keys.lease(robot.name, robot.side, robot.client.settings.who)
-    reply = ask_robot(robot.client, robot.place, key, query, LeaseReply, robot.timeout_s)
-    if not reply.result:
-        raise Refused(reply.reason, reply.message, reply.detail)
-    return reply
+    return accepted(ask_robot(robot.client, robot.place, key, query, LeaseReply, robot.timeout_s))
 
 
 def govern(
@@ -218,7 +206,7 @@ def _ask(client: Client, place: Place, query: LeaseQuery) -> LeaseReply | Beatri
         return error
     finally:
         request.close()
-    return _result(reply)
+    return outcome(reply)
 
 
 def _ask_seats(client: Client, place: Place, query: LeaseQuery) -> LeaseReply | BeatrixError:
@@ -226,9 +214,5 @@ def _ask_seats(client: Client, place: Place, query: LeaseQuery) -> LeaseReply | 
     request = GroupRequest(client, keys.lease(*place, client.settings.who), query, LeaseReply, SEAT_S)
     with contextlib.closing(request):
         for _, reply in request.replies(SEAT_S):
-            return _result(reply)
+            return outcome(reply)
     return NoAnswer(Reason.TIMED_OUT, f"The robot of this seat did not answer within {SEAT_S:g} s.")
-
-
-def _result(reply: LeaseReply) -> LeaseReply | Refused:
-    return reply if reply.result else Refused(reply.reason, reply.message, reply.detail)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
@@ -77,7 +77,7 @@ class Channel(Generic[M]):
     def __init__(self, client: Client, key: str, kind: type[M]) -> None:
         self._client, self._key, self._kind = client, key, kind
         self._newest: tuple[bytes, float] | None = None
-        self._times: deque[float] = deque(maxlen=2 * keys.POSITIONS_HZ)
+        self._times: deque[float] = deque(maxlen=2 * keys.positions.rate_hz)
         self._decoded: tuple[bytes, M | None] | None = None
 
     def put(self, payload: bytes) -> None:
@@ -151,6 +151,12 @@ class RobotRecord:
         self.positions = Channel(client, keys.positions(robot, side), Positions)
         self.status = Channel(client, keys.status(robot, side), Status)
         self.events = EventLog(client, keys.events(robot, side), events)
+        self.channels: dict[str, Channel[Positions] | Channel[Status] | EventLog] = {
+            "positions": self.positions,
+            "status": self.status,
+            "events": self.events,
+        }
+        """What stores the publications of each row of keys.toml."""
 
     def state(self) -> RobotState:
         """Return the current state."""
@@ -207,7 +213,6 @@ class Monitor(ProcessBound):
         self._adding = threading.Lock()
         self._changes = self._seen = 0
         self._records: dict[Place, RobotRecord] = {}
-        self._puts: dict[str, Callable[[bytes], None]] = {}
         bus = client.bus
         # This query must precede the subscription to tokens: just after it, Zenoh would return an empty list.
         for place in client.robots():
@@ -231,9 +236,10 @@ class Monitor(ProcessBound):
     # -- Zenoh's thread: store, nothing else --------------------------------------------------------
 
     def _on_positions(self, received: Received) -> None:
-        put = self._puts.get(received.key) or self._put_of(received.key)
-        if put is not None:
-            put(received.payload)
+        parts = keys.parse(received.key)
+        record = None if parts is None or "*" in received.key else self._record((parts.robot, parts.side))
+        if parts is not None and record is not None:
+            record.channels[parts.row].put(received.payload)
 
     def _on_change(self, received: Received) -> None:
         self._on_positions(received)
@@ -256,20 +262,6 @@ class Monitor(ProcessBound):
         if record is not None:
             record.alive = alive
             self._changed()
-
-    def _put_of(self, key: str) -> Callable[[bytes], None] | None:
-        """Return the function that stores publications of a key; None if the monitor does not store them."""
-        parts = keys.parse(key)
-        record = None if parts is None or "*" in key else self._record((parts.robot, parts.side))
-        if record is None:
-            return None
-        puts = {
-            keys.positions(record.robot, record.side): record.positions.put,
-            keys.status(record.robot, record.side): record.status.put,
-            keys.events(record.robot, record.side): record.events.put,
-        }
-        self._puts |= puts
-        return puts.get(key)
 
     def _record(self, place: Place) -> RobotRecord | None:
         with self._adding:

@@ -6,35 +6,29 @@ import threading
 import time
 from collections.abc import Callable
 from functools import partial
-from typing import Protocol, cast
+from typing import Generic, TypeVar, cast
 
 from beatrix_zenoh.bus import ProcessBound
+from beatrix_zenoh.client.degrees import Speed, motion_query, pose_query, true_or_false
+from beatrix_zenoh.client.request import Request
 from beatrix_zenoh.client.session import Dispatcher
-from beatrix_zenoh.client.slips import Suggesting, value_method
-from beatrix_zenoh.contract._generated.messages import CommandReply, MotionReply, Reason
+from beatrix_zenoh.client.slips import Suggesting
+from beatrix_zenoh.contract._generated.messages import (
+    CommandReply,
+    MotionQuery,
+    MotionReply,
+    PoseQuery,
+    Reason,
+)
 from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer
 
+MotionT = TypeVar("MotionT")
+PreviewT = TypeVar("PreviewT")
 MARGIN_S = 3.0
 """Time (s) from the announced end of a motion until its final reply counts as lost."""
 NO_END = (
     "{} did not report that the motion has ended, although it is online: it or this computer is very busy."
 )
-
-
-class Replies(Protocol):
-    """The source of the final reply: a `Request`."""
-
-    def reply(self, kind: type[MotionReply], timeout_s: float) -> MotionReply:
-        """Return the next reply; raises TimeoutError, or NoAnswer if there will be none."""
-
-    def notify(self, notify: Callable[[], None]) -> None:
-        """Call `notify` after every reply."""
-
-    def explain(self, limit_s: float) -> NoAnswer:
-        """Return the error of a reply that did not come within `limit_s`; takes up to 3 s."""
-
-    def close(self) -> None:
-        """Receive no more replies."""
 
 
 class Motion(ProcessBound, Suggesting):
@@ -47,7 +41,7 @@ class Motion(ProcessBound, Suggesting):
     def __init__(
         self,
         robot: str,
-        replies: Replies,
+        replies: Request,
         accepted: MotionReply,
         stop: Callable[[], CommandReply],
         dispatcher: Dispatcher,
@@ -70,18 +64,15 @@ class Motion(ProcessBound, Suggesting):
         text = f"{self.duration:.1f} s" if end is None else end.message
         return f"<motion of {self._robot}: {text}>"
 
-    @value_method
     def done(self) -> bool:
         """Return whether the motion has ended, at its goal or before it."""
         self._read(0.0)
         return self._end is not None
 
-    @value_method
     def running(self) -> bool:
         """Return whether the motion has not ended yet."""
         return not self.done()
 
-    @value_method
     def result(self, timeout: float | None = None) -> MotionReply:
         """Wait until the head has reached its goal, and return the robot's final reply.
 
@@ -98,7 +89,6 @@ class Motion(ProcessBound, Suggesting):
             raise error
         return cast("MotionReply", end)
 
-    @value_method
     def exception(self, timeout: float | None = None) -> BeatrixError | None:
         """Wait as `result` does, but return the error that `result` would raise; None if the head arrived.
 
@@ -200,3 +190,79 @@ def _error(end: MotionReply | BeatrixError) -> BeatrixError | None:
     if isinstance(end, BeatrixError):
         return end
     return None if end.result else Interrupted(end.reason, end.message, end.detail)
+
+
+class Movable(Suggesting, Generic[MotionT, PreviewT]):
+    """What takes motions: a robot, or both robots of one name."""
+
+    def look(
+        self,
+        yaw: float = 0.0,
+        pitch: float = 0.0,
+        roll: float = 0.0,
+        *,
+        relative: bool = False,
+        speed: float | None = None,
+        wait: bool = True,
+    ) -> MotionT:
+        """Turn the head (deg: yaw left, pitch nose-down, roll right-ear-down positive).
+
+        `speed` (deg/s) is that of the fastest arm. Returns when the head is at the goal; with wait=False, when the
+        robot has accepted the motion.
+
+        With relative=True the angles are added to the goal of the last motion, exactly, so that small turns add up. If
+        the head is not at this goal, because it still moves (wait=False) or was stopped, they are added to where it is
+        at that moment: a program that follows a face may send what it still sees missing as often as it likes. To add
+        up turns, wait for each; or count the angles yourself and send them without relative.
+
+        Raises:
+            Refused: the robot refused the motion; the error has the reason and, if there is one, an alternative.
+            NoAnswer: the robot or the router is not online, or does not answer.
+            Interrupted: the motion was stopped or replaced, or the robot ended it for another reason.
+        """
+        query = pose_query(yaw, pitch, roll, relative=relative, speed=speed)
+        return self._carry_out(query, wait=true_or_false("wait", wait))
+
+    def move(
+        self,
+        short: float,
+        middle: float,
+        long: float,
+        *,
+        relative: bool = False,
+        speed: Speed | None = None,
+        wait: bool = True,
+    ) -> MotionT:
+        """Turn the arms (deg, counter-clockwise from above positive).
+
+        `speed` (deg/s) is one number for all arms, or (short, middle, long). Everything else is as in `look`.
+        """
+        query = motion_query(short, middle, long, relative=relative, speed=speed)
+        return self._carry_out(query, wait=true_or_false("wait", wait))
+
+    def preview(
+        self,
+        yaw: float = 0.0,
+        pitch: float = 0.0,
+        roll: float = 0.0,
+        *,
+        relative: bool = False,
+        speed: float | None = None,
+    ) -> PreviewT:
+        """Try a motion of `look` on a copy of the simulation, faster than real time; the robot does not move.
+
+        Of a `Twin`, the plan can then be committed.
+
+        Raises:
+            WrongUsage: BAD_VALUE: this is hardware alone, or an argument is invalid.
+            Refused: `look` would be refused; the error has the reason and, if there is one, an alternative.
+            NoAnswer: the simulation or the router is not online, or does not answer.
+        """
+        return self.preview_query(pose_query(yaw, pitch, roll, relative=relative, speed=speed))
+
+    def _carry_out(self, query: MotionQuery | PoseQuery, *, wait: bool) -> MotionT:
+        raise NotImplementedError
+
+    def preview_query(self, query: MotionQuery | PoseQuery) -> PreviewT:
+        """Preview a motion (rad, rad/s); raises the errors of `preview`."""
+        raise NotImplementedError

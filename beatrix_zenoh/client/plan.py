@@ -2,17 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from beatrix_zenoh.bus import ProcessBound
-from beatrix_zenoh.client.degrees import (
-    Path,
-    arm_angles,
-    checked_seconds,
-    head_angles,
-    path_figure,
-    true_or_false,
-)
+from beatrix_zenoh.client.degrees import checked_seconds, path_figure, preview_of, true_or_false
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin_motion import TwinMotion, furthest
 from beatrix_zenoh.client.twin_state import PlanPosition, plan_position
@@ -21,6 +14,7 @@ from beatrix_zenoh.contract.errors import BeatrixError, Refused
 
 if TYPE_CHECKING:
     from beatrix_zenoh.client.figures import Figure
+    from beatrix_zenoh.client.twin import Twin
 
 SAME_DEG = 0.1
 """Largest distance of two positions that count as equal; a microstep is 0.086 deg."""
@@ -34,29 +28,12 @@ Start = tuple[PlanPosition, PlanPosition | None]
 """Positions of simulation and hardware at the preview; None: no hardware was online."""
 
 
-class RobotPair(Protocol):
-    """What a plan and a choreography need of a `Twin`."""
-
-    sim: Robot
-    hw: Robot
-    name: str
-
-    def check_ready(self) -> None:
-        """Raise an error if a robot cannot move now."""
-
-    def start(self, motion: TwinMotion, *, wait: bool) -> None:
-        """Begin a motion of both robots."""
-
-    def preview_query(self, query: MotionQuery | PoseQuery) -> Plan:
-        """Preview a motion (rad, rad/s)."""
-
-
 class Plan(ProcessBound):
     """A previewed motion, to be committed or aborted."""
 
     def __init__(
         self,
-        twin: RobotPair,
+        twin: Twin,
         query: MotionQuery | PoseQuery,
         preview: PreviewReply,
         start: Start,
@@ -82,11 +59,7 @@ class Plan(ProcessBound):
             )
         if not alike:
             self.verdict += UNLIKE
-        self.path = Path(
-            preview.t,
-            [arm_angles(arms) for arms in preview.arms],
-            [head_angles(head) for head in preview.head],
-        )
+        self.path = preview_of(preview).path
         self._settled = ""
         self._motion: TwinMotion | None = None
 
@@ -117,7 +90,7 @@ class Plan(ProcessBound):
         except BeatrixError:
             self._motion = None
             raise
-        motion.run.prepare(*now, self._check_both, measured=self._during is None)
+        motion.prepare(*now, self._check_both, measured=self._during is None)
         self._twin.start(motion, wait=waits)
         return motion
 

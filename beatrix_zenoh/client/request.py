@@ -22,8 +22,8 @@ from beatrix_zenoh.bus import Bus, Query, Received, Reply
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.contract import codec, sentences
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Detail, Info, MotionReply, Reason
-from beatrix_zenoh.contract.errors import NoAnswer
+from beatrix_zenoh.contract._generated.messages import Detail, Info, MotionReply, Outcome, Reason
+from beatrix_zenoh.contract.errors import NoAnswer, Refused
 
 NOTICE_S = 0.2
 """Time (s) to wait for the report of a loss: Zenoh ends the queries of a lost connection before it reports the loss."""
@@ -48,6 +48,7 @@ LATE_S = 2.0
 LOSS_CHECK_S = 0.5
 """Period (s) of the check for a lost router: Zenoh does not end a query sent just before it notices the loss."""
 M = TypeVar("M", bound=msgspec.Struct)
+A = TypeVar("A", bound=Outcome)
 
 
 class Unanswered(msgspec.Struct, frozen=True):
@@ -69,17 +70,18 @@ class Unanswered(msgspec.Struct, frozen=True):
         error = self._disconnected(limit_s, heard=heard)
         if error is not None:
             return error
-        received = heard or waited_s > ABSENT_S
         try:
             present = self.client.robots()
         except NoAnswer as refused:
             return refused
         if self._lost():
             return self._interrupted()
+        received = heard or waited_s > ABSENT_S
         if self.place not in present:
             return self._absent(present, received=received)
         if limit_s is not None:
-            return self._late(limit_s)
+            reason = Reason.TIMED_OUT if publishing(self.client.bus, [self.place]) else Reason.NODE_HANGS
+            return NoAnswer(reason, detail=Detail(field=title(self.place), value=limit_s, unit="s"))
         return self._lost_node(back=True) if received else self._refused()
 
     # -- the router ---------------------------------------------------------------------------------
@@ -93,33 +95,31 @@ class Unanswered(msgspec.Struct, frozen=True):
                 f"This program closed its connection before {title(self.place)} had answered. Robots stop the motions of a "
                 "closed connection.",
             )
-        if limit_s is None and not zbus.is_listening(bus.endpoint):
-            return self._no_router()
-        answers = limit_s is None or bus.router_answers()
+        answers = zbus.is_listening(bus.endpoint) if limit_s is None else bus.router_answers()
         if answers and (heard or limit_s is not None):
             time.sleep(NOTICE_S)
-        if self._lost():
-            return self._interrupted() if zbus.is_listening(bus.endpoint) else self._no_router()
+        if self._lost() or (limit_s is None and not answers):
+            return self._interrupted()
         return None if answers else NoAnswer(Reason.NO_ROUTER, zbus.hanging_router(bus.endpoint))
 
     def _lost(self) -> bool:
         """Return whether the connection is lost now, or was lost since the query was sent."""
         return not self.client.bus.connected or self.client.losses != self.losses
 
-    def _no_router(self) -> NoAnswer:
-        return NoAnswer(
-            Reason.NO_ROUTER,
-            f"The router at {self.client.bus.endpoint} is lost, so the robots stop their motions. When the router is "
-            "back, send the request again.",
-        )
-
     def _interrupted(self) -> NoAnswer:
-        """Return the error of a lost connection to a router that is still running."""
+        """Return the error of a lost router, or of a lost connection to one that is running."""
         bus = self.client.bus
+        if not zbus.is_listening(bus.endpoint):
+            text = (
+                f"The router at {bus.endpoint} is lost, so the robots stop their motions. When the router is back, send "
+                "the request again."
+            )
+            return NoAnswer(Reason.NO_ROUTER, text)
         deadline_s = time.monotonic() + BACK_S
         while not bus.connected:
-            if time.monotonic() > deadline_s:
-                return self._not_back()
+            if time.monotonic() > deadline_s:  # a restarted router may have other accounts
+                error = None if self.client.settings.account is None else bus.connection_error()
+                return error or NoAnswer(Reason.NO_ROUTER, zbus.hanging_router(bus.endpoint))
             time.sleep(POLL_S)
         return bus.refusal() or NoAnswer(
             Reason.NO_ROUTER,
@@ -127,12 +127,6 @@ class Unanswered(msgspec.Struct, frozen=True):
             "this program was suspended or very busy, or the network was interrupted. Robots stop the motions of a lost "
             "connection, and appear again within some seconds. This program reconnects by itself: send the request again.",
         )
-
-    def _not_back(self) -> NoAnswer:
-        """Return the error of a connection that is not restored: a restarted router may have other accounts."""
-        bus = self.client.bus
-        error = None if self.client.settings.account is None else bus.connection_error()
-        return error or NoAnswer(Reason.NO_ROUTER, zbus.hanging_router(bus.endpoint))
 
     # -- the robot ----------------------------------------------------------------------------------
 
@@ -166,11 +160,6 @@ class Unanswered(msgspec.Struct, frozen=True):
             return False
         finally:
             query.close()
-
-    def _late(self, limit_s: float) -> NoAnswer:
-        publishes = publishing(self.client.bus, [self.place])
-        detail = Detail(field=title(self.place), value=limit_s, unit="s")
-        return NoAnswer(Reason.TIMED_OUT if publishes else Reason.NODE_HANGS, detail=detail)
 
 
 def publishing(bus: Bus, places: Collection[Place]) -> set[Place]:
@@ -396,6 +385,18 @@ def ask(
         return query.next(kind, timeout_s)
     finally:
         query.close()
+
+
+def outcome(reply: A) -> A | Refused:
+    """Return the reply, or the error if the robot refused."""
+    return reply if reply.result else Refused(reply.reason, reply.message, reply.detail)
+
+
+def accepted(reply: A) -> A:
+    """Return the reply; raises Refused if the robot refused."""
+    if isinstance(found := outcome(reply), Refused):
+        raise found
+    return found
 
 
 def infos(client: Client, timeout_s: float = 1.0) -> dict[Place, Info]:

@@ -10,20 +10,16 @@ from beatrix_zenoh.client.degrees import (
     DAY_S,
     Kinematics,
     Preview,
-    Speed,
     bearing,
-    checked_number,
+    checked_place,
     checked_seconds,
-    motion_query,
-    pose_query,
     preview_of,
     true_or_false,
 )
 from beatrix_zenoh.client.lease import Lease
-from beatrix_zenoh.client.motion import MARGIN_S, Motion
-from beatrix_zenoh.client.request import Request, ask
+from beatrix_zenoh.client.motion import MARGIN_S, Motion, Movable
+from beatrix_zenoh.client.request import Request, accepted, ask
 from beatrix_zenoh.client.robot_base import RobotWithRoom
-from beatrix_zenoh.client.slips import value_method
 from beatrix_zenoh.client.stopping import SentStop, publish_stop
 from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated import keys
@@ -42,17 +38,15 @@ from beatrix_zenoh.contract._generated.messages import (
 )
 from beatrix_zenoh.contract._generated.robot import ALLOWED
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
-from beatrix_zenoh.motion.limits import SLOWEST_LIMIT_DEG
 
 LONGEST_WAY_DEG = 720.0
 """Upper bound of one arm's travel: the head turns 180 deg to each side, and arms stay between their neighbours."""
 PREVIEW_S = 10.0
 """Time limit (s) of a preview."""
-SLOWEST_LIMIT = math.radians(SLOWEST_LIMIT_DEG)
 SLOWEST_DEFAULT = math.radians(ALLOWED["limits"]["speed_default"].low)
 
 
-class Robot(RobotWithRoom):
+class Robot(RobotWithRoom, Movable[Motion, Preview]):
     """One robot: `Robot("bea1", side="sim")`. Use it in a `with` block, or close it.
 
     Args:
@@ -126,9 +120,8 @@ class Robot(RobotWithRoom):
             command=command.value, value=true_or_false("value", value), source=self.client.source
         )
         timeout_s = self.timeout_s if timeout_s is None else checked_seconds("timeout_s", timeout_s)
-        return checked(ask(self.client, self.place, key, query, CommandReply, timeout_s))
+        return accepted(ask(self.client, self.place, key, query, CommandReply, timeout_s))
 
-    @value_method
     def lease(self, wait_s: float = 0.0) -> Lease:
         """Take the robot: only this seat and the teacher may move it until the lease is closed or this program ends.
 
@@ -147,41 +140,13 @@ class Robot(RobotWithRoom):
         """
         query = FollowQuery(follow=true_or_false("on", on), source=self.client.source)
         key = keys.follow(self.name, self.client.settings.who)
-        return checked(ask(self.client, (self.name, "sim"), key, query, CommandReply, self.timeout_s))
+        return accepted(ask(self.client, (self.name, "sim"), key, query, CommandReply, self.timeout_s))
 
-    @value_method
     def kinematics(self) -> Kinematics:
         """Query geometry and limits of the robot, and return its kinematics in degrees; raises the errors of `info`."""
         return Kinematics(self.info())
 
     # -- motions --------------------------------------------------------------------------------
-
-    def look(
-        self,
-        yaw: float = 0.0,
-        pitch: float = 0.0,
-        roll: float = 0.0,
-        *,
-        relative: bool = False,
-        speed: float | None = None,
-        wait: bool = True,
-    ) -> Motion:
-        """Turn the head (deg: yaw left, pitch nose-down, roll right-ear-down positive).
-
-        `speed` (deg/s) is that of the fastest arm. Returns when the head is at the goal; with wait=False, when the
-        robot has accepted the motion.
-
-        With relative=True the angles are added to the goal of the last motion, exactly, so that small turns add up. If
-        the head is not at this goal, because it still moves (wait=False) or was stopped, they are added to where it is
-        at that moment: a program that follows a face may send what it still sees missing as often as it likes. To add
-        up turns, wait for each; or count the angles yourself and send them without relative.
-
-        Raises:
-            Refused: the robot refused the motion; the error has the reason and, if there is one, an alternative.
-            NoAnswer: the robot or the router is not online, or does not answer.
-            Interrupted: the motion was stopped or replaced, or the robot ended it for another reason.
-        """
-        return self._begin(pose_query(yaw, pitch, roll, relative=relative, speed=speed), wait=wait)
 
     def look_at(
         self, x: float, y: float, z: float, *, speed: float | None = None, wait: bool = True
@@ -191,59 +156,26 @@ class Robot(RobotWithRoom):
         The point between the eyes looks there, with roll 0. `speed` and `wait` are those of `look`, and so are the
         errors; raises WrongUsage (BAD_VALUE), too, for a place within the head.
         """
-        yaw, pitch = bearing(*(checked_number(*each, "m") for each in (("x", x), ("y", y), ("z", z))))
+        yaw, pitch = bearing(*checked_place(x, y, z))
         return self.look(yaw, pitch, speed=speed, wait=wait)
 
-    @value_method
-    def preview(
-        self,
-        yaw: float = 0.0,
-        pitch: float = 0.0,
-        roll: float = 0.0,
-        *,
-        relative: bool = False,
-        speed: float | None = None,
-    ) -> Preview:
-        """Try a motion of `look` on a copy of the simulation, faster than real time; the robot does not move.
-
-        Raises:
-            WrongUsage: BAD_VALUE: this is hardware, or an argument is invalid.
-            Refused: `look` would be refused; the error has the reason and, if there is one, an alternative.
-            NoAnswer: the simulation or the router is not online, or does not answer.
-        """
+    def preview_query(self, query: MotionQuery | PoseQuery) -> Preview:
+        """Preview a motion (rad, rad/s); raises the errors of `preview`."""
         if self.side != "sim":
             text = (
                 f"Hardware has no preview: use Robot({self.name!r}).preview(...), which asks its simulation."
             )
             raise WrongUsage(Reason.BAD_VALUE, text)
-        query = pose_query(yaw, pitch, roll, relative=relative, speed=speed)
+        return preview_of(self.try_out(query))
+
+    def try_out(self, query: MotionQuery | PoseQuery) -> PreviewReply:
+        """Try a motion (rad, rad/s) on a copy of the simulation of this name; raises Refused or NoAnswer."""
         key = keys.preview(self.name, self.client.settings.who)
-        reply = ask(self.client, self.place, key, query, PreviewReply, PREVIEW_S)
-        if not reply.result:
-            raise Refused(reply.reason, reply.message, reply.detail)
-        return preview_of(reply)
+        return accepted(ask(self.client, (self.name, "sim"), key, query, PreviewReply, PREVIEW_S))
 
-    def move(
-        self,
-        short: float,
-        middle: float,
-        long: float,
-        *,
-        relative: bool = False,
-        speed: Speed | None = None,
-        wait: bool = True,
-    ) -> Motion:
-        """Turn the arms (deg, counter-clockwise from above positive).
-
-        `speed` (deg/s) is one number for all arms, or (short, middle, long). Everything else is as in `look`.
-        """
-        query = motion_query(short, middle, long, relative=relative, speed=speed)
-        return self._begin(query, wait=wait)
-
-    def _begin(self, query: MotionQuery | PoseQuery, *, wait: bool) -> Motion:
-        waits = true_or_false("wait", wait)
+    def _carry_out(self, query: MotionQuery | PoseQuery, *, wait: bool) -> Motion:
         motion = self.begin(query)
-        if waits:
+        if wait:
             motion.wait()
         return motion
 
@@ -258,31 +190,21 @@ class Robot(RobotWithRoom):
         lasts_s = max(self.timeout_s, self._longest_s(query) + MARGIN_S)
         request = Request(self.client, self.place, key, query, lasts_s)
         try:
-            accepted = request.next(MotionReply, self.timeout_s)
+            reply = accepted(request.next(MotionReply, self.timeout_s))
+        except Refused:
+            request.close()
+            raise
         except BaseException:
             request.if_accepted(lambda: publish_stop(self.client, self.place))
             raise
-        if not accepted.result:
-            request.close()
-            raise Refused(accepted.reason, accepted.message, accepted.detail)
-        return Motion(str(self), request, accepted, self.stop, self.client.dispatcher)
+        return Motion(str(self), request, reply, self.stop, self.client.dispatcher)
 
     def _longest_s(self, query: MotionQuery | PoseQuery) -> float:
         """Return an upper bound of a motion's time (s), because Zenoh keeps memory for a query until its timeout."""
         if query.speed is None:
-            if self._default_speed is None:
-                given = math.radians(self.info().limits.speed_default)
-                self._default_speed = max(given, SLOWEST_DEFAULT)
-            slowest = min(self._default_speed, SLOWEST_LIMIT)  # the teacher may limit the speed at any time
+            slowest = SLOWEST_DEFAULT  # no robot file and no teacher allows a slower one
         elif isinstance(query.speed, float):
             slowest = query.speed
         else:
             slowest = min(query.speed.x, query.speed.y, query.speed.z)
         return min(DAY_S, math.radians(LONGEST_WAY_DEG) / slowest) if slowest > 0 else 0.0
-
-
-def checked(reply: CommandReply) -> CommandReply:
-    """Return the reply; raises Refused if the robot refused."""
-    if not reply.result:
-        raise Refused(reply.reason, reply.message, reply.detail)
-    return reply

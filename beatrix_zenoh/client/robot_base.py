@@ -13,13 +13,14 @@ from beatrix_zenoh.client.degrees import (
     Reading,
     RobotInfo,
     checked_number,
+    checked_place,
     checked_seconds,
     reading,
     robot_info,
 )
-from beatrix_zenoh.client.request import ask
+from beatrix_zenoh.client.request import A, M, accepted, ask
 from beatrix_zenoh.client.session import Client, Place, chosen_name
-from beatrix_zenoh.client.slips import Suggesting, value_method
+from beatrix_zenoh.client.slips import Suggesting
 from beatrix_zenoh.client.subscription import FIRST_PICTURE_S, SILENCE_S, CameraImage, Subscription, message
 from beatrix_zenoh.contract import codec, names
 from beatrix_zenoh.contract._generated import keys
@@ -36,7 +37,8 @@ from beatrix_zenoh.contract._generated.messages import (
     TargetQuery,
     TargetReply,
 )
-from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
+from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
+from beatrix_zenoh.contract.rows import KeyRow
 from beatrix_zenoh.contract.values import values
 from beatrix_zenoh.settings import resolve
 
@@ -89,7 +91,6 @@ class RobotBase(ProcessBound, Suggesting):
             if client is None:
                 self.client.close()
             raise
-        self._default_speed: float | None = None
         given = os.environ.get("BEATRIX_LEASE", "")
         self.given_lease = int(given) if given.isdecimal() else 0
         """Number of the lease that the program which started this one has taken, as `beatrix lesson turn` does; 0: none"""
@@ -107,25 +108,21 @@ class RobotBase(ProcessBound, Suggesting):
         """Name and side of the robot."""
         return self.name, self.side
 
-    @value_method
+    def _read(self, row: KeyRow, kind: type[M]) -> M:
+        return ask(self.client, self.place, row(*self.place), None, kind, self.timeout_s)
+
     def positions(self) -> Reading:
         """Query the current position, in degrees; raises NoAnswer with the cause if the robot does not answer."""
-        key = keys.positions(self.name, self.side)
-        return reading(ask(self.client, self.place, key, None, Positions, self.timeout_s))
+        return reading(self._read(keys.positions, Positions))
 
-    @value_method
     def status(self) -> RobotStatus:
         """Query the status: enabled, calibrated, holder, faults and more; raises the errors of `positions`."""
-        key = keys.status(self.name, self.side)
-        return ask(self.client, self.place, key, None, RobotStatus, self.timeout_s)
+        return self._read(keys.status, RobotStatus)
 
-    @value_method
     def info(self) -> RobotInfo:
         """Query versions, limits and geometry (deg) and keys of the robot; raises the errors of `positions`."""
-        key = keys.info(self.name, self.side)
-        return robot_info(ask(self.client, self.place, key, None, Info, self.timeout_s))
+        return robot_info(self._read(keys.info, Info))
 
-    @value_method
     def log(self) -> Log:
         """Record positions and events from now until the end of its `with` block; then it has them as arrays.
 
@@ -135,7 +132,6 @@ class RobotBase(ProcessBound, Suggesting):
 
         return Log(self.client, self.place, self.info())
 
-    @value_method
     def stream(self, timeout_s: float | None = SILENCE_S) -> Subscription[Reading]:
         """Subscribe to positions in degrees, 50 per second.
 
@@ -144,22 +140,18 @@ class RobotBase(ProcessBound, Suggesting):
         key = keys.positions(self.name, self.side)
         return Subscription(self.client, key, message(Positions, reading), timeout_s=timeout_s)
 
-    @value_method
     def positions_stream(self, timeout_s: float | None = SILENCE_S) -> Subscription[Positions]:
         """Subscribe to positions as published (rad), with all fields; see `stream` for arguments and errors."""
         return subscription.positions(self.client, self.name, self.side, timeout_s=timeout_s)
 
-    @value_method
     def status_stream(self, timeout_s: float | None = SILENCE_S) -> Subscription[Status]:
         """Subscribe to the status, published on change and once a second; see `stream` for arguments and errors."""
         return subscription.status(self.client, self.name, self.side, timeout_s=timeout_s)
 
-    @value_method
     def events(self, timeout_s: float | None = None) -> Subscription[Event]:
         """Subscribe to events; see `stream` for arguments and errors."""
         return subscription.events(self.client, self.name, self.side, timeout_s=timeout_s)
 
-    @value_method
     def camera(self, eye: str, timeout_s: float | None = FIRST_PICTURE_S) -> Subscription[CameraImage]:
         """Subscribe to the pictures of the `left` or `right` eye; the camera works only while a client subscribes.
 
@@ -168,7 +160,6 @@ class RobotBase(ProcessBound, Suggesting):
         """
         return subscription.images(self.client, self.name, self.side, eye, timeout_s=timeout_s)
 
-    @value_method
     def microphones(self) -> Microphones:
         """Subscribe to the sound of both microphones, in blocks of 20 ms; they are on only while a client subscribes.
 
@@ -178,7 +169,6 @@ class RobotBase(ProcessBound, Suggesting):
 
         return Microphones(self.client, self.name, self.side)
 
-    @value_method
     def listen(self, seconds: float = 2.0) -> Sound:
         """Listen for this time (s, at most 60), and return what both microphones have heard.
 
@@ -189,11 +179,9 @@ class RobotBase(ProcessBound, Suggesting):
         with self.microphones() as blocks:
             return blocks.listen(seconds)
 
-    @value_method
     def past_events(self) -> list[Event]:
         """Query the newest events of the robot, at most 200, oldest first; raises the errors of `positions`."""
-        key = keys.events(self.name, self.side)
-        return ask(self.client, self.place, key, None, Events, self.timeout_s).events
+        return self._read(keys.events, Events).events
 
     def close(self) -> None:
         """Close the session, so that the robot stops a running motion of this object; a shared session stays open."""
@@ -213,34 +201,25 @@ class RobotWithRoom(RobotBase):
     x (forward), y (left) and z (up) are distances (m) from the neck's centre.
     """
 
-    @value_method
     def target(self) -> TargetReply:
         """Return the place (m) of the simulated person in front of the robot: the middle between the eyes."""
-        return self._ask_target(None)
+        return self._ask_room(keys.target, None, TargetReply)
 
     def move_target(self, x: float, y: float, z: float) -> TargetReply:
         """Place the middle between the eyes of the simulated person, and end the person's own path.
 
         Raises Refused for a place outside the room.
         """
-        query = TargetQuery(
-            x=checked_number("x", x, "m"), y=checked_number("y", y, "m"), z=checked_number("z", z, "m")
-        )
-        return self._ask_target(query)
+        x, y, z = checked_place(x, y, z)
+        return self._ask_room(keys.target, TargetQuery(x=x, y=y, z=z), TargetReply)
 
     def walk_target(self, path: str = "sway", period_s: float = 12.0) -> TargetReply:
         """Let the simulated person walk a path from its beginning: `sway`, `circle`, or `still` to stand in front.
 
         `period_s` is the time (s) for once there and back, from 2 to 600. Raises Refused for another path or period.
         """
-        return self._ask_target(TargetQuery(path=path, period_s=checked_number("period_s", period_s, "s")))
-
-    def _ask_target(self, query: TargetQuery | None) -> TargetReply:
-        place = (self.name, "sim")
-        reply = ask(self.client, place, keys.target(self.name), query, TargetReply, self.timeout_s)
-        if query is not None and not reply.result:
-            raise Refused(reply.reason, reply.message, reply.detail)
-        return reply
+        query = TargetQuery(path=path, period_s=checked_number("period_s", period_s, "s"))
+        return self._ask_room(keys.target, query, TargetReply)
 
     def place_sound(
         self, x: float | None = None, y: float | None = None, z: float | None = None
@@ -250,13 +229,11 @@ class RobotWithRoom(RobotBase):
         Raises Refused for a place outside the room or inside the head.
         """
         if x is None and y is None and z is None:
-            return self._ask_sound(SoundQuery(mouth=True))
+            return self._ask_room(keys.sound, SoundQuery(mouth=True), SoundReply)
         if x is None or y is None or z is None:
             raise WrongUsage(Reason.BAD_VALUE, "A place needs x, y and z (m); without any, it is the mouth.")
-        query = SoundQuery(
-            x=checked_number("x", x, "m"), y=checked_number("y", y, "m"), z=checked_number("z", z, "m")
-        )
-        return self._ask_sound(query)
+        x, y, z = checked_place(x, y, z)
+        return self._ask_room(keys.sound, SoundQuery(x=x, y=y, z=z), SoundReply)
 
     def play_sound(self, sound: str | Path = "voice", seconds: float | None = None) -> SoundReply:
         """Play a sound in the simulated room, in place of the last one; returns at once.
@@ -272,17 +249,17 @@ class RobotWithRoom(RobotBase):
         lasts_s = 0.0 if seconds is None else checked_seconds("seconds", seconds)
         path = Path(sound)
         if path.suffix.lower() != ".wav":
-            return self._ask_sound(SoundQuery(play=str(sound), seconds=lasts_s))
+            return self._ask_room(keys.sound, SoundQuery(play=str(sound), seconds=lasts_s), SoundReply)
         from beatrix_zenoh.client.sound import mono  # noqa: PLC0415 - numpy would delay every verb
 
-        return self._ask_sound(SoundQuery(play="samples", seconds=lasts_s), mono(path))
+        query = SoundQuery(play="samples", seconds=lasts_s)
+        return self._ask_room(keys.sound, query, SoundReply, mono(path))
 
-    def _ask_sound(self, query: SoundQuery, samples: bytes | None = None) -> SoundReply:
-        key, place = keys.sound(self.name), (self.name, "sim")
-        reply = ask(self.client, place, key, query, SoundReply, self.timeout_s, samples)
-        if not reply.result:
-            raise Refused(reply.reason, reply.message, reply.detail)
-        return reply
+    def _ask_room(
+        self, row: KeyRow, query: TargetQuery | SoundQuery | None, kind: type[A], samples: bytes | None = None
+    ) -> A:
+        place = (self.name, "sim")
+        return accepted(ask(self.client, place, row(self.name), query, kind, self.timeout_s, samples))
 
 
 class Offset(NamedTuple):
@@ -295,16 +272,6 @@ class Offset(NamedTuple):
     def certain(self) -> float:
         """The offset, or 0 if 0 is within its error, as for two programs on one computer, which share a clock."""
         return 0.0 if abs(self.offset) <= self.bound else self.offset
-
-    @property
-    def offset_ns(self) -> int:
-        """The offset in ns."""
-        return round(self.offset * 1e9)
-
-    @property
-    def bound_ns(self) -> int:
-        """The largest error in ns."""
-        return round(self.bound * 1e9)
 
 
 class Offsets(NamedTuple):

@@ -6,9 +6,7 @@ import difflib
 import inspect
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, NoReturn, TypeVar, cast
-
-F = TypeVar("F", bound=Callable[..., object])
+from typing import TYPE_CHECKING, NoReturn
 
 
 class Uncalled(partial[object]):
@@ -40,13 +38,16 @@ class _ValueMethod:
         return bound
 
 
-def value_method(function: F) -> F:
-    """Decorate a method that returns a value; used without parentheses, it says so."""
-    return cast("F", _ValueMethod(function))
-
-
 class Suggesting:
-    """Base of classes whose missing attributes raise AttributeError with what was meant."""
+    """Base of classes whose missing attributes, and methods without parentheses, raise an error with what was meant."""
+
+    def __init_subclass__(cls) -> None:
+        """Let each public method that returns a value say so when it is used without parentheses."""
+        super().__init_subclass__()
+        for name, member in list(vars(cls).items()):
+            public = inspect.isfunction(member) and not name.startswith("_")
+            if public and member.__annotations__.get("return", "None") != "None":
+                setattr(cls, name, _ValueMethod(member))
 
     if not TYPE_CHECKING:  # a type checker would accept every attribute
 

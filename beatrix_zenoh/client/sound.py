@@ -44,24 +44,16 @@ _QUIETEST: Final = 1e-6
 Samples = npt.NDArray[np.float32]
 
 
-@dataclass(frozen=True, eq=False)
-class Sound:
-    """A piece of sound from both ears."""
+class Sound(SoundHeader, frozen=True, kw_only=True, eq=False):
+    """A piece of sound from both ears.
+
+    `seq` is the number of its (first) block: a gap shows lost ones. `t_mono_ns` and `t_wall_ns` are the clocks of the
+    robot at the first frame (ns), `rate` frames per second, `dropped` the frames that the robot's device has lost since
+    its node started. `source` is the origin: `device`, `file`, `tone` or `simulation`.
+    """
 
     samples: Samples
     """shape (frames, 2), left first, from -1 to 1; read-only"""
-    rate: int
-    """frames per second"""
-    t_mono_ns: int
-    """monotonic clock of the robot at the first frame (ns)"""
-    t_wall_ns: int
-    """wall clock of the robot at the first frame, ns since 1970"""
-    seq: int
-    """number of the (first) block; a gap shows lost blocks"""
-    source: str
-    """origin of the sound: `device`, `file`, `tone` or `simulation`"""
-    dropped: int
-    """frames that the robot's device has lost since its node started"""
     lost: int = 0
     """frames of `samples` that never arrived, and are zero"""
 
@@ -279,7 +271,7 @@ def joined(blocks: list[Sound], wanted: int) -> Sound:
         samples[at : at + len(part)], heard[at : at + len(part)] = part, True
         at += len(one.samples)
     samples.setflags(write=False)
-    return replace(first, samples=samples, lost=wanted - int(heard.sum()), dropped=blocks[-1].dropped)
+    return structs.replace(first, samples=samples, lost=wanted - int(heard.sum()), dropped=blocks[-1].dropped)
 
 
 def sound(client: Client, sample: Sample) -> Sound | None:

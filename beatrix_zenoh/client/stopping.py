@@ -21,7 +21,7 @@ from typing import Final, TypeVar
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Bus
-from beatrix_zenoh.client.request import GroupRequest, Request, publishing, title
+from beatrix_zenoh.client.request import GroupRequest, Request, outcome, publishing, title
 from beatrix_zenoh.client.robot_base import RobotBase
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.subscription import Wakeup
@@ -35,7 +35,7 @@ from beatrix_zenoh.contract._generated.messages import (
     EventKind,
     Reason,
 )
-from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer, Refused
+from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer
 
 ROBOT_S: Final = 2.0
 """Default time limit (s) of the reply of one robot; the slowest stop, from 90 deg/s, takes half a second."""
@@ -107,7 +107,7 @@ class SentStop:
     def answer(self) -> Answer:
         """Wait until the arms rest; to find why there is no answer takes up to 3 s more."""
         try:
-            return answer_of(self._request.next(CommandReply, self._timeout_s))
+            return outcome(self._request.next(CommandReply, self._timeout_s))
         except BeatrixError as error:
             busy = error.reason is Reason.TIMED_OUT
             return no_answer(self.place, self._timeout_s, publishes=True) if busy else error
@@ -128,7 +128,7 @@ class SentGroupStop:
     def replies(self) -> Answers:
         """Wait until the arms rest; return the answers of the robots that replied within GROUP_S after the STOP."""
         replies = self._request.replies(self._deadline_s - time.monotonic())
-        return {place: answer_of(reply) for place, reply in replies}
+        return {place: outcome(reply) for place, reply in replies}
 
     def answers(self, expected: Iterable[Place]) -> Answers:
         """Return the replies, and an error for each robot of `expected` that is of this group and did not reply."""
@@ -161,11 +161,6 @@ class StopEvents:
 def matches(wanted: Place, place: Place) -> bool:
     """Return whether a place with `*` stands for this robot, too."""
     return wanted[0] in ("*", place[0]) and wanted[1] in ("*", place[1])
-
-
-def answer_of(reply: CommandReply) -> Answer:
-    """Return the reply, or Refused if the robot refused."""
-    return reply if reply.result else Refused(reply.reason, reply.message, reply.detail)
 
 
 def sentence(place: Place, message: str) -> str:

@@ -14,7 +14,7 @@ import msgspec
 
 from beatrix_zenoh.bus import Bus, ProcessBound, Received, Reply
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.client.slips import Suggesting, value_method
+from beatrix_zenoh.client.slips import Suggesting
 from beatrix_zenoh.contract import codec, names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, FrameHeader, Positions, Reason, Status
@@ -110,55 +110,6 @@ def message(kind: type[M], convert: Callable[[M], T]) -> Reader[T]:
     return read
 
 
-class Inbox:
-    """A bounded queue of publications; the oldest are dropped and counted.
-
-    Zenoh's thread enqueues them undecoded with the time of arrival.
-    """
-
-    def __init__(self, length: int) -> None:
-        self.dropped = 0
-        self.dropped_keys: Counter[str] = Counter()
-        self.newest: Sample | None = None
-        self.closed = False
-        self._waiting: deque[Sample] = deque(maxlen=length)
-        self._wakeup = Wakeup()
-
-    def receive(self, received: Received) -> None:
-        """Enqueue a publication."""
-        if self.closed:
-            return
-        sample = Sample(received, time.monotonic_ns(), time.time_ns())
-        if len(self._waiting) == self._waiting.maxlen:
-            self._drop()
-        self._waiting.append(sample)
-        self.newest = sample
-        self._wakeup.set()
-
-    def _drop(self) -> None:
-        """Drop the oldest publication; a thread that takes publications may empty the queue at this moment."""
-        with contextlib.suppress(IndexError):
-            self.dropped_keys[self._waiting.popleft().received.key] += 1
-            self.dropped += 1
-
-    @value_method
-    def next(self, timeout_s: float | None) -> Sample | None:
-        """Return the oldest publication; None after `timeout_s` (s), or if the queue is closed and empty."""
-        self._wakeup.wait_for(lambda: self._waiting or self.closed, timeout_s)
-        try:
-            sample = self._waiting.popleft()
-        except IndexError:
-            sample = None
-        if self._waiting or self.closed:
-            self._wakeup.set()  # for another thread that waits
-        return sample
-
-    def close(self) -> None:
-        """Receive nothing more; a thread that waits returns."""
-        self.closed = True
-        self._wakeup.set()
-
-
 class Subscription(ProcessBound, Suggesting, Generic[T]):
     """Publications of one key: iterate over them, call `next`, or read `latest`.
 
@@ -166,8 +117,9 @@ class Subscription(ProcessBound, Suggesting, Generic[T]):
             for reading in readings:
                 print(reading.head.yaw)
 
-    The reading thread decodes publications; undecodable ones are skipped and logged once. A slow reader loses the
-    oldest: see `dropped`. The iteration ends when the subscription or its client is closed.
+    Zenoh's thread enqueues publications with their times of arrival, the reading thread decodes them; undecodable ones
+    are skipped and logged once. A slow reader loses the oldest: see `dropped`. The iteration ends when the subscription
+    or its client is closed.
     """
 
     def __init__(
@@ -194,37 +146,56 @@ class Subscription(ProcessBound, Suggesting, Generic[T]):
             WrongUsage: the client was closed.
         """
         self._client, self._key, self._timeout_s = client, key, timeout_s
-        self._inbox = Inbox(length)
         self._reader = read
+        self.dropped = 0
+        """Number of publications that were dropped because they were not read in time."""
+        self._dropped_keys: Counter[str] = Counter()
+        self._waiting: deque[Sample] = deque(maxlen=length)
+        self._wakeup = Wakeup()
+        self._closed = False
+        self._newest: Sample | None = None
         self._latest: tuple[Sample, Arrival[T] | None] | None = None
-        self._undeclare = (client.bus if bus is None else bus).subscribe(key, self._inbox.receive)
+        self._undeclare = (client.bus if bus is None else bus).subscribe(key, self._receive)
         self._forget = client.at_close(self.close)
 
-    @property
-    def dropped(self) -> int:
-        """Number of publications that were dropped because they were not read in time."""
-        return self._inbox.dropped
+    def _receive(self, received: Received) -> None:
+        """Enqueue a publication."""
+        if self._closed:
+            return
+        sample = Sample(received, time.monotonic_ns(), time.time_ns())
+        if len(self._waiting) == self._waiting.maxlen:
+            with contextlib.suppress(IndexError):  # a reader may empty the queue at this moment
+                self._dropped_keys[self._waiting.popleft().received.key] += 1
+                self.dropped += 1
+        self._waiting.append(sample)
+        self._newest = sample
+        self._wakeup.set()
+
+    def _next(self, timeout_s: float | None) -> Sample | None:
+        """Return the oldest publication; None after `timeout_s` (s), or if the queue is closed and empty."""
+        self._wakeup.wait_for(lambda: self._waiting or self._closed, timeout_s)
+        try:
+            sample = self._waiting.popleft()
+        except IndexError:
+            sample = None
+        if self._waiting or self._closed:
+            self._wakeup.set()  # for another thread that waits
+        return sample
 
     @property
     def dropped_keys(self) -> Mapping[str, int]:
         """Number of dropped publications by key, for a subscription to many robots."""
-        return self._inbox.dropped_keys.copy()
+        return self._dropped_keys.copy()
 
     @property
     def latest(self) -> T | None:
         """The newest publication, read or not; None if none has arrived or the newest is unreadable."""
-        arrival = self.latest_arrival
-        return None if arrival is None else arrival.value
-
-    @property
-    def latest_arrival(self) -> Arrival[T] | None:
-        """The publication of `latest` with the time of its arrival."""
-        newest = self._inbox.newest
+        newest = self._newest
         if newest is None:
             return None
         if self._latest is None or self._latest[0] is not newest:
             self._latest = newest, self._read(newest)
-        return self._latest[1]
+        return None if self._latest[1] is None else self._latest[1].value
 
     def next(self, timeout_s: float | None = None) -> T:
         """Return the oldest unread publication; wait up to `timeout_s` (s), by default that of the subscription.
@@ -240,14 +211,13 @@ class Subscription(ProcessBound, Suggesting, Generic[T]):
         deadline = None if timeout_s is None else time.monotonic() + timeout_s
         while True:
             left = None if deadline is None else max(0.0, deadline - time.monotonic())
-            sample = self._inbox.next(left)
+            sample = self._next(left)
             if sample is None:
                 raise self._silence(timeout_s or 0.0)
             arrival = self._read(sample)
             if arrival is not None:
                 return arrival
 
-    @value_method
     def take(self, timeout_s: float = 0.0) -> list[T]:
         """Return all unread publications, oldest first; wait up to `timeout_s` (s) for the first."""
         return [arrival.value for arrival in self.take_arrivals(timeout_s)]
@@ -255,11 +225,11 @@ class Subscription(ProcessBound, Suggesting, Generic[T]):
     def take_arrivals(self, timeout_s: float = 0.0) -> list[Arrival[T]]:
         """Return the publications of `take` with the times of their arrival."""
         arrivals = []
-        sample = self._inbox.next(timeout_s)
+        sample = self._next(timeout_s)
         while sample is not None:
             if (arrival := self._read(sample)) is not None:
                 arrivals.append(arrival)
-            sample = self._inbox.next(0.0)
+            sample = self._next(0.0)
         return arrivals
 
     def arrivals(self) -> Iterator[Arrival[T]]:
@@ -283,7 +253,7 @@ class Subscription(ProcessBound, Suggesting, Generic[T]):
         return Arrival(value, parts.robot, parts.side, sample.t_mono_ns, sample.t_wall_ns)
 
     def _silence(self, timeout_s: float) -> NoAnswer:
-        if self._inbox.closed:
+        if self._closed:
             return NoAnswer(Reason.SHUTDOWN, f"The subscription to {self._key} was closed by this program.")
         parts = keys.parse(self._key)
         side = "" if parts is None or parts.side == "*" else f" ({parts.side})"
@@ -303,7 +273,8 @@ class Subscription(ProcessBound, Suggesting, Generic[T]):
         """End the subscription; a thread that waits for a publication returns. May be called twice."""
         self._forget()
         self._undeclare()
-        self._inbox.close()
+        self._closed = True
+        self._wakeup.set()
 
     def __enter__(self) -> Self:
         return self
@@ -338,26 +309,17 @@ def events(
     return Subscription(client, keys.events(robot, side), message(Event, same), timeout_s=timeout_s)
 
 
-@dataclass(frozen=True, repr=False)
-class CameraImage:
-    """A picture of one eye, or of a simulated head from outside."""
+class CameraImage(FrameHeader, frozen=True, kw_only=True):
+    """A picture of one eye, or of a simulated head from outside.
+
+    `seq` counts the pictures of each camera: a gap shows lost ones. `t_mono_ns` and `t_wall_ns` are the clocks of the
+    robot at the exposure (ns), `width` and `height` pixels, `source` the origin, for example `opencv` or `pattern`.
+    """
 
     jpeg: bytes
     """the contents of a JPEG file"""
     eye: str
     """`left`, `right` or `outside`"""
-    seq: int
-    """number of the picture, counted for each camera; a gap shows lost pictures"""
-    t_mono_ns: int
-    """monotonic clock of the robot at the exposure (ns)"""
-    t_wall_ns: int
-    """wall clock of the robot at the exposure, ns since 1970"""
-    width: int
-    """pixels"""
-    height: int
-    """pixels"""
-    source: str
-    """origin of the picture, for example `opencv`, `pattern` or `egl`"""
     arrived_mono_ns: int
     """monotonic clock of this computer at the arrival (ns)"""
     arrived_wall_ns: int

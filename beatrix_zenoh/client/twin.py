@@ -8,17 +8,15 @@ from collections.abc import Callable, Iterable
 from typing import NamedTuple, Self
 
 from beatrix_zenoh.bus import ProcessBound
-from beatrix_zenoh.client.degrees import Reading, Speed, motion_query, pose_query, true_or_false
+from beatrix_zenoh.client.degrees import Reading, Speed, motion_query
+from beatrix_zenoh.client.motion import Movable
 from beatrix_zenoh.client.plan import SAME_DEG, Plan, Start, distance, unlike
-from beatrix_zenoh.client.request import ask
-from beatrix_zenoh.client.robot import PREVIEW_S, Robot
+from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.client.slips import Suggesting, value_method
 from beatrix_zenoh.client.stopping import stop_robots
 from beatrix_zenoh.client.twin_motion import REPLACED, TwinMotion
 from beatrix_zenoh.client.twin_state import PlanPosition, check_may_move, check_may_switch, plan_position
-from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, PreviewReply, Reason
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer, Refused, naming
 from beatrix_zenoh.settings import resolve
 
@@ -32,11 +30,13 @@ class TwinReading(NamedTuple):
     hw: Reading
 
 
-class Twin(ProcessBound, Suggesting):
+class Twin(ProcessBound, Movable[TwinMotion, Plan]):
     """Simulation and hardware of one name; see `Robot` for the arguments.
 
     `preview` tries a motion and returns a plan to commit. `look` and `move` send a motion to both robots without a
-    preview, for programs that send a new target many times a second. `sim` and `hw` are the robots.
+    preview, the simulation first, for programs that send a new target many times a second: they return when both have
+    arrived or, with wait=False, when both have accepted the motion. If one robot refuses, is not online or is stopped,
+    the other is stopped, too. `sim` and `hw` are the robots.
     """
 
     def __init__(
@@ -97,23 +97,6 @@ class Twin(ProcessBound, Suggesting):
 
     # -- motions with a preview ------------------------------------------------------------------
 
-    def preview(
-        self,
-        yaw: float = 0.0,
-        pitch: float = 0.0,
-        roll: float = 0.0,
-        *,
-        relative: bool = False,
-        speed: float | None = None,
-    ) -> Plan:
-        """Preview a head motion (deg, deg/s; see `Robot.look`) on a copy of the simulation.
-
-        Raises:
-            Refused: the motion would be refused; the error has the reason.
-            NoAnswer: the simulation is not online, or does not answer.
-        """
-        return self.preview_query(pose_query(yaw, pitch, roll, relative=relative, speed=speed))
-
     def preview_arms(
         self,
         short: float,
@@ -137,10 +120,8 @@ class Twin(ProcessBound, Suggesting):
                 f"The robots stand {apart:.1f}° apart, so a relative motion would leave them apart: move both to "
                 "the same position first, with home or with a motion that is not relative.",
             )
-        key = keys.preview(self.name, self.client.settings.who)
-        reply = ask(self.client, self.sim.place, key, query, PreviewReply, PREVIEW_S)
-        if not reply.result:
-            raise Refused(reply.reason, f"{self.sim}: {reply.message}", reply.detail)
+        with naming(str(self.sim)):
+            reply = self.sim.try_out(query)
         plan = Plan(self, query, reply, start, alike=start[1] is None or self._alike(), during=during)
         if start[1] is not None:
             try:
@@ -169,63 +150,26 @@ class Twin(ProcessBound, Suggesting):
 
     # -- motions without a preview ---------------------------------------------------------------------
 
-    def look(
-        self,
-        yaw: float = 0.0,
-        pitch: float = 0.0,
-        roll: float = 0.0,
-        *,
-        relative: bool = False,
-        speed: float | None = None,
-        wait: bool = True,
-    ) -> TwinMotion:
-        """Turn both heads without a preview, the simulation first (deg, deg/s; see `Robot.look`).
-
-        Returns when both have arrived or, with wait=False, when both have accepted the motion. A newer motion replaces
-        a running one, for example 20 times a second. Each robot checks its limits.
-
-        Raises:
-            Refused: one robot refused; the other is stopped.
-            NoAnswer: one robot is not online, or has lost its board; the other is stopped.
-            Interrupted: one motion was stopped or replaced; if it was stopped, the other is stopped, too.
-        """
-        return self._begin(pose_query(yaw, pitch, roll, relative=relative, speed=speed), wait=wait)
-
-    def move(
-        self,
-        short: float,
-        middle: float,
-        long: float,
-        *,
-        relative: bool = False,
-        speed: Speed | None = None,
-        wait: bool = True,
-    ) -> TwinMotion:
-        """Turn the arms of both robots without a preview (deg, deg/s); see `look` for arguments and errors."""
-        return self._begin(motion_query(short, middle, long, relative=relative, speed=speed), wait=wait)
-
-    def _begin(self, query: MotionQuery | PoseQuery, *, wait: bool) -> TwinMotion:
-        waits = true_or_false("wait", wait)
+    def _carry_out(self, query: MotionQuery | PoseQuery, *, wait: bool) -> TwinMotion:
         motion = TwinMotion(self.sim, self.hw, query)
-        self.start(motion, wait=waits)
+        self.start(motion, wait=wait)
         return motion
 
     def start(self, motion: TwinMotion, *, wait: bool) -> None:
-        """Start a motion of both robots, which replaces a running one; raises the errors of `TwinRun.start`."""
+        """Start a motion of both robots, which replaces a running one; raises the errors of `TwinMotion.start`."""
         with self._starting:
             before, self._motion = self._motion, motion
-        if before is None or not before.run.hold():
-            motion.run.start(wait=wait)
+        if before is None or not before.hold():
+            motion.start(wait=wait)
             return
         try:
-            motion.run.start(wait=wait, begun=lambda: before.run.end(Interrupted(Reason.REPLACED, REPLACED)))
+            motion.start(wait=wait, begun=lambda: before.end(Interrupted(Reason.REPLACED, REPLACED)))
         except BaseException:
             before.cancel()  # the simulation has refused the new motion: the old one must not reach the hardware alone
             raise
 
     # -- state -----------------------------------------------------------------------------------
 
-    @value_method
     def positions(self) -> TwinReading:
         """Return the current positions of both robots, in degrees; raises NoAnswer as `Robot.positions` does."""
         return TwinReading(self.sim.positions(), self.hw.positions())
@@ -247,11 +191,11 @@ class Twin(ProcessBound, Suggesting):
         """
         motion = self._motion
         if motion is not None:
-            motion.run.hold()
+            motion.hold()
         if not self._shared:
             self.client.close()
         if motion is not None and motion.running():
-            motion.run.end(
+            motion.end(
                 Interrupted(
                     Reason.SHUTDOWN, "This program closed its connection, so the robots stop its motions."
                 )

@@ -15,11 +15,11 @@ from msgspec.structs import replace
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.bus import ProcessBound
-from beatrix_zenoh.client.degrees import ArmAngles, Reading
+from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.robot_base import offset_of
-from beatrix_zenoh.client.slips import Suggesting, value_method
+from beatrix_zenoh.client.slips import Suggesting
 from beatrix_zenoh.client.stopping import StopEvents, sentence, stop_robots
 from beatrix_zenoh.client.twin_state import POLL_S, Lead, PlanPosition, Tokens
 from beatrix_zenoh.contract._generated.messages import MotionQuery, MotionReply, PoseQuery, Reason
@@ -40,22 +40,13 @@ class MotionBegin:
         """Subscribe to the robot's positions; `start` are its arm angles (deg) at rest."""
         self._robot, self._start = robot, start
         self._positions = robot.stream()
-        self._before: tuple[float, float] | None = None
         self._begin_s: float | None = None
 
     def read(self) -> None:
         """Process the positions that have arrived."""
         for reading in self._positions.take():
-            self.see(reading)
-
-    def see(self, reading: Reading) -> None:
-        """Process one publication."""
-        moved_deg = furthest(self._start, reading.commanded)
-        if self._begin_s is None and moved_deg >= MOVED_DEG:
-            before_s, before_deg = self._before or (reading.t, 0.0)
-            part = (MOVED_DEG - before_deg) / (moved_deg - before_deg)
-            self._begin_s = before_s + part * (reading.t - before_s)
-        self._before = reading.t, moved_deg
+            if self._begin_s is None and furthest(self._start, reading.commanded) >= MOVED_DEG:
+                self._begin_s = reading.t
 
     def begin_s(self) -> float | None:
         """Return the time at which the robot began to move, by this computer's monotonic clock; None: it did not."""
@@ -90,22 +81,30 @@ class TwinMotion(ProcessBound, Suggesting):
     """
 
     def __init__(self, sim: Robot, hw: Robot, query: MotionQuery | PoseQuery, lead_s: float = 0.0) -> None:
-        self._sim, self._hw = sim, hw
+        self._sim, self._hw, self._query = sim, hw, replace(query, lead=lead_s)
+        self.lead_s = lead_s
+        """Seconds by which the hardware begins later than the simulation."""
+        self.lag_s: float | None = None
+        """Lag of the hardware behind the simulation (s), from published positions.
+
+        None until both have ended, for a motion without a preview, and if one of them moved less than 0.5 deg.
+        """
         self._future: Future[TwinReplies] = Future()
         self._lead = Lead(lead_s)
-        self.run = TwinRun(sim, hw, replace(query, lead=lead_s), self._lead, self._future)
-        """What carries the motion out, for `Twin` and `Plan`."""
+        self._begun: dict[Robot, Motion] = {}
+        self._sending: Robot | None = None
+        self._end: BeatrixError | None = None
+        """The error with which the motion is to end."""
+        self._thread = 0
+        """Identity of the thread that carries the motion out; 0: not started."""
+        self._begins: list[MotionBegin] = []
+        """Begin of both motions; empty: not measured."""
 
     def __repr__(self) -> str:
         if self.done():
             return f"<motion of {self._sim} and {self._hw}: {self.exception() or 'both have arrived'}>"
         wait = "" if self.hardware_sent else f", the hardware in {self.countdown_s:.1f} s"
         return f"<motion of {self._sim} and {self._hw}{wait}>"
-
-    @property
-    def lead_s(self) -> float:
-        """Seconds by which the hardware begins later than the simulation."""
-        return self._lead.lead_s
 
     @property
     def hardware_sent(self) -> bool:
@@ -117,25 +116,14 @@ class TwinMotion(ProcessBound, Suggesting):
         """Seconds until the motion is sent to the hardware; 0 if it was sent or will not be sent."""
         return self._lead.countdown_s
 
-    @property
-    def lag_s(self) -> float | None:
-        """Lag of the hardware behind the simulation (s), from published positions.
-
-        None until both have ended, for a motion without a preview, and if one of them moved less than 0.5 deg.
-        """
-        return self.run.lag_s
-
-    @value_method
     def done(self) -> bool:
         """Return whether the motion of both robots has ended, at its goal or before it."""
         return self._future.done()
 
-    @value_method
     def running(self) -> bool:
         """Return whether the motion has not ended yet."""
         return not self.done()
 
-    @value_method
     def result(self, timeout: float | None = None) -> TwinReplies:
         """Wait until both robots have arrived and return their final replies.
 
@@ -151,7 +139,6 @@ class TwinMotion(ProcessBound, Suggesting):
         self._wait(timeout)
         return self._future.result(0)
 
-    @value_method
     def exception(self, timeout: float | None = None) -> BaseException | None:
         """Wait as `result` does, but return the error that `result` would raise; None if both have arrived.
 
@@ -181,9 +168,8 @@ class TwinMotion(ProcessBound, Suggesting):
         """
         if self.done():
             return False
-        self.run.hold()
-        self.run.end(Interrupted(Reason.STOPPED, "Cancelled by this program."))
-        if self.run.thread not in (0, threading.get_ident()):
+        self.end(Interrupted(Reason.STOPPED, "Cancelled by this program."))
+        if self._thread not in (0, threading.get_ident()):
             try:
                 self._wait(CANCEL_S)
             except TimeoutError:
@@ -208,23 +194,7 @@ class TwinMotion(ProcessBound, Suggesting):
         """
         return not self.done() and self._lead.send_now()
 
-
-class TwinRun:
-    """Carries out a motion of both robots, and stops both if one fails."""
-
-    def __init__(
-        self, sim: Robot, hw: Robot, query: MotionQuery | PoseQuery, lead: Lead, future: Future[TwinReplies]
-    ) -> None:
-        self._sim, self._hw, self._query, self._lead, self._future = sim, hw, query, lead, future
-        self._begun: dict[Robot, Motion] = {}
-        self._sending: Robot | None = None
-        self._end: BeatrixError | None = None
-        """The error with which the motion is to end."""
-        self.thread = 0
-        """Identity of the thread that carries the motion out; 0: not started."""
-        self.begins: list[MotionBegin] = []
-        """Begin of both motions; empty: not measured."""
-        self.lag_s: float | None = None
+    # -- how `Twin` and `Plan` carry it out ------------------------------------------------------------
 
     def prepare(
         self, sim: PlanPosition, hw: PlanPosition, check_both: Callable[[], None], *, measured: bool
@@ -239,8 +209,8 @@ class TwinRun:
         """
         robots = (self._sim, sim), (self._hw, hw)
         if measured:
-            self.begins = [MotionBegin(robot, position.arms) for robot, position in robots]
-        if self._lead.lead_s:
+            self._begins = [MotionBegin(robot, position.arms) for robot, position in robots]
+        if self.lead_s:
             stops = (StopEvents(robot, position.t) for robot, position in robots)
             self._lead.watch(check_both, [*stops, Tokens(self._sim), Tokens(self._hw)])
 
@@ -249,7 +219,8 @@ class TwinRun:
         return self._lead.claim()
 
     def end(self, why: BeatrixError) -> None:
-        """Request that the motion ends with this error; only the first call has an effect."""
+        """Request that the motion ends with this error, as `hold` does; only the error of the first call is raised."""
+        self.hold()
         self._end = self._end or why
         self._lead.wake()
 
@@ -259,15 +230,15 @@ class TwinRun:
         Then wait until both have arrived, or continue in a thread.
 
         Raises:
-            BeatrixError: as `TwinMotion.result`; without `wait` only the errors before it returns.
+            BeatrixError: as `result`; without `wait` only the errors before it returns.
         """
-        self.thread = threading.get_ident()
+        self._thread = threading.get_ident()
         try:
             self._raise_end()
             self._send(self._sim)
             begun()
             self._lead.begin()
-            if not self._lead.lead_s:
+            if not self.lead_s:
                 self._send_to_hardware()
             if wait:
                 self._finish(self._follow())
@@ -280,7 +251,7 @@ class TwinRun:
             threads.start(self._continue, "twin-motion")
 
     def _continue(self) -> None:
-        self.thread = threading.get_ident()
+        self._thread = threading.get_ident()
         try:
             self._finish(self._follow())
         except BaseException as error:  # noqa: BLE001  # it is raised by `result`
@@ -310,7 +281,7 @@ class TwinRun:
             raise NoAnswer(
                 Reason.SHUTDOWN, "This program closed its connection, so the robots stop its motions."
             )
-        for begin in self.begins:
+        for begin in self._begins:
             begin.read()
         arrived = [ended(robot, motion, limit_s) for robot, motion in self._begun.items()]
         return all(arrived)
@@ -340,7 +311,7 @@ class TwinRun:
                 moving.append(
                     self._sending
                 )  # it may have accepted the motion, although its reply was not read
-            kept = self._lead.lead_s and not self._lead.sent
+            kept = self.lead_s and not self._lead.sent
             failure = stopped(error, moving, f"{self._hw}: not moved." if kept else "")
         except BaseException as again:
             failure = again
@@ -357,23 +328,17 @@ class TwinRun:
 
     def _close(self) -> None:
         """End the subscriptions."""
-        for begin in self.begins:
+        for begin in self._begins:
             begin.close()
         self._lead.close()
 
     def _measure(self) -> None:
-        for begin in self.begins:
+        for begin in self._begins:
             begin.read()
-        begun = [begin.begin_s() for begin in self.begins]
+        begun = [begin.begin_s() for begin in self._begins]
         match begun:
             case [float(sim_s), float(hw_s)]:
                 self.lag_s = hw_s - sim_s
-                LOG.info(
-                    "%s: the hardware began %.3f s after the simulation; lead %.3f s.",
-                    self._hw.name,
-                    self.lag_s,
-                    self._lead.lead_s,
-                )
 
 
 def stopped(error: BaseException, moving: list[Robot], unmoved: str = "") -> BaseException:

@@ -6,30 +6,48 @@ import re
 import struct
 from collections.abc import Callable, Mapping
 from enum import IntEnum, StrEnum
-from functools import lru_cache
+from functools import cache, lru_cache
 from itertools import islice
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Annotated, Any, ClassVar, NamedTuple, Self, get_origin, get_type_hints
 
 from msgspec import Struct
-from msgspec.structs import astuple
+from msgspec.structs import astuple, fields
 
 
 class KeyRow(NamedTuple):
-    """One row of keys.toml; its purpose is in KEY_TEXT."""
+    """One row of keys.toml; its purpose is in KEY_TEXT. `keys.stop("bea", "hw", "ana")` is a key with these names."""
 
     key: str
-    kind: str
     payload: str
     reply: str
     session: str
     """Traffic class of the session that answers or subscribes."""
-    publish: str = ""
-    """Traffic class of the session that publishes; empty: none."""
-    sides: tuple[str, ...] = ("hw", "sim")
     priority: str = "data"
-    congestion: str = "drop"
+    kind: str = "query"
+    publish: str = "control"
+    """Traffic class of the session that publishes, if the row is a publication."""
     rate_hz: int = 0
     """Publications per second; 0: not at a constant rate."""
+
+    @property
+    def sides(self) -> tuple[str, ...]:
+        """Sides whose robots have this key."""
+        return ("sim",) if "/sim/" in self.key else ("hw", "sim")
+
+    def __call__(self, *names: str) -> str:
+        """Return the key with these names, or `*`, in place of its fields; raises ValueError for too few or many."""
+        return self.key.format_map(dict(zip(_fields(self.key), names, strict=True)))
+
+
+def stream(key: str, payload: str, reply: str = "", priority: str = "data", rate_hz: int = 0) -> KeyRow:
+    """Return the row of messages that a robot publishes, and of which a query returns the newest; `reply`: several."""
+    kind = "publication and query"
+    return KeyRow(key, payload, reply or payload, "queries", priority, kind, rate_hz=rate_hz)
+
+
+@cache
+def _fields(pattern: str) -> list[str]:
+    return re.findall(r"{(\w+)}", pattern)
 
 
 class Parts(NamedTuple):
@@ -52,31 +70,20 @@ def parser(rows: Mapping[str, KeyRow], name: re.Pattern[str]) -> Callable[[str],
     It returns None if the key matches no row, or contains an invalid name of a robot, side or seat. `name` is the
     pattern of names of robots and seats.
     """
-    known = {row_name: row.key.split("/") for row_name, row in rows.items()}
-    valid = {"robot": name, "who": name, "side": re.compile("hw|sim")}
+    chunks = {"robot": name.pattern, "who": name.pattern, "side": "hw|sim"}
 
-    def parts_of(row_name: str, pattern: list[str], chunks: list[str]) -> Parts | None:
-        found: dict[str, str] = {}
-        for wanted, chunk in zip(pattern, chunks, strict=True):
-            field = wanted[1:-1]
-            if wanted[0] == "{":
-                if field in valid and chunk != "*" and not valid[field].fullmatch(chunk):
-                    return None
-                found[field] = chunk
-            elif wanted != chunk:
-                return None
-        if "robot" in found and "side" not in found:
-            found["side"] = pattern[2]
-        return Parts(row_name, **found)
+    def field(match: re.Match[str]) -> str:
+        return rf"(?P<{match[1]}>\*|{chunks.get(match[1], '[^/]+')})"
+
+    patterns = {row_name: re.compile(re.sub(r"{(\w+)}", field, row.key)) for row_name, row in rows.items()}
 
     @lru_cache(maxsize=1024)
     def parse(key: str) -> Parts | None:
-        chunks = key.split("/")
-        same_length = (
-            (row_name, pattern) for row_name, pattern in known.items() if len(pattern) == len(chunks)
-        )
-        matches = (parts_of(row_name, pattern, chunks) for row_name, pattern in same_length)
-        return next((parts for parts in matches if parts is not None), None)
+        for row_name, pattern in patterns.items():
+            if match := pattern.fullmatch(key):
+                found = Parts(row_name, **match.groupdict())
+                return found._replace(side="sim") if found.robot and not found.side else found
+        return None
 
     return parse
 
@@ -105,6 +112,23 @@ class Code(IntEnum):
         made = int.__new__(cls, code)
         made._value_, made.text, made.reason = code, text, reason
         return made
+
+
+class Range(NamedTuple):
+    """Range of a field in a robot file; a bound is infinite if another value or the firmware limits the field."""
+
+    low: float
+    high: float
+    unit: str
+
+
+def ranges(robot: type[Struct]) -> dict[str, dict[str, Range]]:
+    """Return the ranges in the annotations of a robot's fields, by table."""
+    annotations = {field.name: get_type_hints(field.type, include_extras=True) for field in fields(robot)}
+    return {
+        table: {name: kind.__metadata__[0] for name, kind in kinds.items() if get_origin(kind) is Annotated}
+        for table, kinds in annotations.items()
+    }
 
 
 class ValueRow(NamedTuple):

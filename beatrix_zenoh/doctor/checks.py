@@ -136,8 +136,8 @@ def one_robot(client: Client, listed_robot: ListedRobot, hz: float, nodes: int) 
 
 def rate(name: str, hz: float) -> CheckResult:
     """Return a finding about the rate of positions (Hz)."""
-    text = f"{hz:.0f} positions a second of {keys.POSITIONS_HZ}"
-    if hz < SLOW * keys.POSITIONS_HZ:
+    text = f"{hz:.0f} positions a second of {keys.positions.rate_hz}"
+    if hz < SLOW * keys.positions.rate_hz:
         return CheckResult(
             name,
             text,

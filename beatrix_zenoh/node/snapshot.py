@@ -129,7 +129,7 @@ class Snapshot:
             ),
             geometry=geometry_info(self._planner.robot.geometry),
             fingerprint=fingerprint(self._planner.robot),
-            commands=[f"{code.value} {code.name}: {text}" for code, text in msg.COMMAND_TEXT.items()],
+            commands=[f"{code.value} {code.name}: {code.text}" for code in msg.Command],
             reasons=[f"{reason}: {reason.text}" for reason in msg.Reason],
             keys=[
                 msg.KeyInfo(

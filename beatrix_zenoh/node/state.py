@@ -64,8 +64,8 @@ def board_trouble(status: Status) -> str:
     return status.warnings[0] if lost and status.warnings else ""
 
 
-PERIOD_S = 1 / keys.POSITIONS_HZ
-STATUS_S = 1 / keys.STATUS_HZ
+PERIOD_S = 1 / keys.positions.rate_hz
+STATUS_S = 1 / keys.status.rate_hz
 CHECK_S = 0.2
 """Longest time (s) between two comparisons of the status with the last one: a camera that comes or goes, a reassembled
 neck. After each change of the board's state and each request the controller calls `changed`: it takes more time to
@@ -129,7 +129,7 @@ class StatePublication:
 class Publisher(Component):
     """Publishes positions, status and events until closed.
 
-    It has a turn at POSITIONS_HZ while a client subscribes to anything, otherwise every CHECK_S and when `changed` is
+    It has a turn at the rate of positions while a client subscribes to anything, otherwise every CHECK_S and when `changed` is
     called.
     """
 

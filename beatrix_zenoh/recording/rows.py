@@ -26,7 +26,7 @@ from beatrix_zenoh.contract._generated.messages import (
 )
 from beatrix_zenoh.contract.codec import encode_json
 from beatrix_zenoh.contract.names import SIDES
-from beatrix_zenoh.contract.sentences.events import plain_sentence
+from beatrix_zenoh.contract.sentences.events import sentence
 from beatrix_zenoh.motion.rotation import rotation_of
 
 RECORDER = "_recorder"
@@ -305,7 +305,7 @@ class RobotRows:
     def event(self, event: Event, time_ns: int) -> Iterator[RecordingRow]:
         """Yield the event as a line, and the state if a STOP changes it."""
         stamp = (time_ns, event.t_wall_ns)
-        text = f"{clock(time_ns)}  {self.place[0]} {self.place[1]}:  {plain_sentence(event)}"
+        text = f"{clock(time_ns)}  {self.place[0]} {self.place[1]}:  {sentence(event)}"
         yield Line(of_robot(self.place, "events"), *stamp, text, level_of(event), encode_json(event).decode())
         if event.kind is EventKind.STOP and event.action != "EMERGENCY_STOP":
             self._stopped = True

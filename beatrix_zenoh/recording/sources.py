@@ -283,7 +283,7 @@ class TimedArrivals:
         """Use the answer of a robot; yield the publications that were kept until then."""
         place, waiting = answer.place, self._waiting.pop(answer.place, ())
         if answer.offset is not None:
-            self._timebase.learn(place, answer.offset.offset_ns, answer.offset.bound_ns)
+            self._timebase.learn(place, *(round(one * 1e9) for one in answer.offset))
         elif waiting:
             # The robot publishes without answering: the fastest publication gives the best estimate.
             offset_ns = max(arrival.value.t_mono_ns - arrival.t_mono_ns for arrival in waiting)

@@ -148,8 +148,8 @@ def test_number_and_times_of_publications(body: Body, robot: Robot) -> None:
     in_time((ended_ns - stamps[-1]) / 1e9, 0.5, "age of the newest positions")
     offsets = [at.t_wall_ns - at.t_mono_ns for at in samples]
     in_time((max(offsets) - min(offsets)) / 1e9, 0.02, "between the readings of both clocks")
-    lasted_s, due_s = (stamps[-1] - stamps[0]) / 1e9, (len(samples) - 1) / keys.POSITIONS_HZ
+    lasted_s, due_s = (stamps[-1] - stamps[0]) / 1e9, (len(samples) - 1) / keys.positions.rate_hz
     assert lasted_s > due_s / 1.2
     in_time(lasted_s, due_s / 0.8, f"{len(samples)} samples at 50 Hz")
     if body.kind != "mega":  # it simulates every cycle, and sends less telemetry on a busy computer
-        in_time(lasted_s, len(set(stamps)) / keys.POSITIONS_HZ / 0.7, "telemetry behind these samples")
+        in_time(lasted_s, len(set(stamps)) / keys.positions.rate_hz / 0.7, "telemetry behind these samples")

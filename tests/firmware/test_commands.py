@@ -15,7 +15,6 @@ from beatrix_zenoh.contract._generated.serial import (
     Error,
     FrameType,
     HelloReply,
-    SetName,
 )
 
 OFF, ON, HOME = BoardState(0), BoardState.ENABLED, BoardState.ENABLED | BoardState.CALIBRATED
@@ -104,7 +103,7 @@ def test_enable_rejects_other_values_than_0_and_1(rig: Rig) -> None:
 
 @pytest.mark.parametrize("name", [b"a", b"bea-1", b"0-9-z", b"x" * 32])
 def test_a_valid_name_is_stored(rig: Rig, name: bytes) -> None:
-    assert rig.ask(FrameType.SET_NAME, SetName(name).pack()) == Error.OK
+    assert rig.ask(FrameType.SET_NAME, name.ljust(32, b"\0")) == Error.OK
     (hello,) = rig.raw(encode(FrameType.HELLO, 1, b""))
     assert HelloReply.unpack(hello.payload).name.rstrip(b"\0") == name
 
@@ -112,7 +111,7 @@ def test_a_valid_name_is_stored(rig: Rig, name: bytes) -> None:
 @pytest.mark.parametrize("name", [b"", b"Bea", b"bea_1", b"a b", b"a\0b", b"\xc3\xa9", b"\0a"])
 def test_an_invalid_name_is_refused_and_the_old_one_remains(name: bytes) -> None:
     rig = Rig(Firmware(name="before"))
-    assert rig.ask(FrameType.SET_NAME, SetName(name).pack()) == Error.BAD_VALUE
+    assert rig.ask(FrameType.SET_NAME, name.ljust(32, b"\0")) == Error.BAD_VALUE
     (hello,) = rig.raw(encode(FrameType.HELLO, 1, b""))
     assert HelloReply.unpack(hello.payload).name.rstrip(b"\0") == b"before"
 

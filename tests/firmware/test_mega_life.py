@@ -14,7 +14,6 @@ from beatrix_zenoh.contract._generated.serial import (
     Error,
     FrameType,
     HelloReply,
-    SetName,
 )
 
 WATCHDOG_MS = 256
@@ -53,7 +52,7 @@ def test_a_reset_during_start_does_not_reuse_a_boot_number() -> None:
 def test_a_name_survives_resets_and_power_loss() -> None:
     with Mega() as mega:
         for name in (b"bea-1", b"bea-2", b"x" * 32):
-            assert mega.ask(FrameType.SET_NAME, SetName(name).pack()) == Error.OK
+            assert mega.ask(FrameType.SET_NAME, name.ljust(32, b"\0")) == Error.OK
             mega.tick(200)
             mega.restart()
             assert hello(mega).name.rstrip(b"\0") == name
@@ -67,12 +66,12 @@ def test_a_reset_during_a_name_write_leaves_the_old_or_the_new_name() -> None:
     chance = random.Random(4)
     seen = set()
     with Mega() as mega:
-        assert mega.ask(FrameType.SET_NAME, SetName(b"old-name").pack()) == Error.OK
+        assert mega.ask(FrameType.SET_NAME, b"old-name".ljust(32, b"\0")) == Error.OK
         mega.tick(200)
         kept = mega.avr.eeprom
     for _ in range(40):
         with Mega(eeprom=kept) as mega:
-            assert mega.ask(FrameType.SET_NAME, SetName(b"new-longer-name").pack()) == Error.OK
+            assert mega.ask(FrameType.SET_NAME, b"new-longer-name".ljust(32, b"\0")) == Error.OK
             mega.restart(after_cycles=chance.randint(0, 2_500_000))
             seen.add(hello(mega).name.rstrip(b"\0"))
     assert seen == {b"old-name", b"new-longer-name"}

@@ -14,7 +14,6 @@ from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.contract._generated.serial import (
     CONTRACT,
-    Ack,
     BoardState,
     Error,
     FrameType,
@@ -32,7 +31,7 @@ STRAIGHT = encode(FrameType.MOVE_STRAIGHT, 7, MoveStraight(513, (100, -200, 300)
 def test_golden_frames_are_answered_with_their_seq(rig: Rig, vector: dict[str, str]) -> None:
     (reply,) = rig.raw(bytes.fromhex(vector["wire"]))
     assert (reply.type, reply.seq) == (FrameType[vector["frame"]] | 0x80, int(vector["seq"]))
-    (HelloReply if vector["frame"] == "HELLO" else Ack).unpack(reply.payload)
+    assert len(reply.payload) == (HelloReply.layout.size if vector["frame"] == "HELLO" else 1)
 
 
 def test_hello_reply_contains_contract_version_boot_and_name() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import replace
 
+import msgspec
 import numpy as np
 import pytest
 import simplejpeg
@@ -34,7 +35,10 @@ def picture_of(colour: tuple[int, int, int], eye: str = "left") -> CameraImage:
 
 
 def of_bytes(jpeg: bytes, eye: str = "left") -> CameraImage:
-    return CameraImage(jpeg, eye, 1, 0, 0, 640, 480, "egl", time.monotonic_ns(), 0)
+    return CameraImage(
+        jpeg=jpeg, eye=eye, seq=1, t_mono_ns=0, t_wall_ns=0, width=640, height=480, source="egl",
+        arrived_mono_ns=time.monotonic_ns(), arrived_wall_ns=0,
+    )  # fmt: skip
 
 
 LARGE = picture_of(RED).jpeg.replace((480).to_bytes(2, "big") + (640).to_bytes(2, "big"), b"\xff\xdc" * 2, 1)
@@ -73,7 +77,9 @@ def test_only_the_newest_picture_is_decoded_and_only_when_visible(picture: Camer
 
 
 def test_an_old_picture_shows_its_age(picture: CameraPicture) -> None:
-    picture.show_image(replace(picture_of(RED), arrived_mono_ns=time.monotonic_ns() - 5_000_000_000))
+    picture.show_image(
+        msgspec.structs.replace(picture_of(RED), arrived_mono_ns=time.monotonic_ns() - 5_000_000_000)
+    )
     before = picture.grab().toImage()
     picture.show_view(ON)
     assert picture.grab().toImage() != before

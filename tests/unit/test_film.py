@@ -112,7 +112,9 @@ def block(number: int) -> Sound:
     """Return a block as a subscription decodes it."""
     samples = pcm(number).astype(np.float32) / np.float32(32768)
     at_ns = number * STEP_NS
-    return Sound(samples, RATE, at_ns, BEGAN_NS + at_ns, seq=number, source="tone", dropped=0)
+    return Sound(
+        samples=samples, rate=RATE, t_mono_ns=at_ns, t_wall_ns=BEGAN_NS + at_ns, seq=number, source="tone"
+    )
 
 
 def rows(numbers: Sequence[int], place: tuple[str, str] = SIM) -> list[RecordingRow]:

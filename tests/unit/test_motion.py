@@ -6,11 +6,13 @@ import logging
 import queue
 import threading
 from collections.abc import Callable, Iterator
+from typing import cast
 
 import pytest
 from robots import until
 
 from beatrix_zenoh.client.motion import Motion
+from beatrix_zenoh.client.request import Request
 from beatrix_zenoh.client.session import Dispatcher
 from beatrix_zenoh.contract._generated.messages import CommandReply, MotionReply, Phase, Reason, Vector3
 from beatrix_zenoh.contract.errors import Interrupted, NoAnswer
@@ -81,7 +83,7 @@ class Setting:
     def __init__(self, duration: float = 60.0) -> None:
         self.replies, self.dispatcher, self.stops = Replies(), Dispatcher(), 0
         accepted = motion_reply(Phase.ACCEPTED, duration=duration)
-        self.motion = Motion("bea (hw)", self.replies, accepted, self.stop, self.dispatcher)
+        self.motion = Motion("bea (hw)", cast("Request", self.replies), accepted, self.stop, self.dispatcher)
         self.called: queue.SimpleQueue[str] = queue.SimpleQueue()
 
     def stop(self) -> CommandReply:

@@ -110,13 +110,13 @@ def test_a_robot_without_positions_is_lost_until_they_return(rows_of_robot: Robo
 @pytest.mark.parametrize(
     ("kind", "fields", "text", "level"),
     [
-        (EventKind.MOTION, {"phase": Phase.ACCEPTED, "message": "Accepted: 1.2 s."}, "ana: pose (0.0 s)", "INFO"),
-        (EventKind.MOTION, {"phase": Phase.ACCEPTED, "reason": Reason.ARM_GAP, "message": "Too close."}, "ana: pose refused: Too close.", "WARN"),
-        (EventKind.MOTION, {"phase": Phase.DONE, "reason": Reason.STOPPED, "seat": "", "message": "Stopped."}, "unknown seat: Stopped.", "INFO"),
-        (EventKind.STOP, {"action": "STOP", "message": "At rest."}, "ana: STOP: At rest.", "ERROR"),
-        (EventKind.COMMAND, {"action": "ENABLE", "reason": Reason.EMERGENCY, "count": 3, "message": "No."}, "ana: enable refused: No. (3 times)", "WARN"),
-        (EventKind.BOARD, {"reason": Reason.BOARD_LOST, "message": "Gone."}, "Gone.", "WARN"),
-        (EventKind.LOG, {"action": "ERROR", "message": "Oh."}, "Oh.", "ERROR"),
+        (EventKind.MOTION, {"phase": Phase.ACCEPTED, "message": "Accepted: 1.2 s."}, "ana motion pose accepted: Accepted: 1.2 s.", "INFO"),
+        (EventKind.MOTION, {"phase": Phase.ACCEPTED, "reason": Reason.ARM_GAP, "message": "Too close."}, "ana motion pose refused ARM_GAP: Too close.", "WARN"),
+        (EventKind.MOTION, {"phase": Phase.DONE, "reason": Reason.STOPPED, "seat": "", "message": "Stopped."}, "motion pose ended STOPPED: Stopped.", "INFO"),
+        (EventKind.STOP, {"action": "STOP", "message": "At rest."}, "ana stop STOP: At rest.", "ERROR"),
+        (EventKind.COMMAND, {"action": "ENABLE", "reason": Reason.EMERGENCY, "count": 3, "message": "No."}, "ana command ENABLE refused EMERGENCY (3 times): No.", "WARN"),
+        (EventKind.BOARD, {"reason": Reason.BOARD_LOST, "seat": "", "action": "", "message": "Gone."}, "board BOARD_LOST: Gone.", "WARN"),
+        (EventKind.LOG, {"action": "ERROR", "seat": "", "message": "Oh."}, "log ERROR: Oh.", "ERROR"),
     ],
 )  # fmt: skip
 def test_each_event_is_converted_to_one_line(

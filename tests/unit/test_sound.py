@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import wave
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from beatrix_zenoh.bus.query_forms import RawQuery
 from beatrix_zenoh.client.sound import ANEW_NS, BlockOrder, Faults, Sound, joined
@@ -27,7 +27,9 @@ def block(number: int, *, restarts: int = 0, dropped: int = 0) -> Sound:
     """Return the block of a node that began `restarts` hours later; its samples are its number / 1000."""
     t_ns = BEGIN_NS + number * BLOCK_NS + restarts * 3600 * 10**9
     samples = np.full((BLOCK, 2), number / 1000, np.float32)
-    return Sound(samples, RATE, t_ns, t_ns + 5, number, "test", dropped)
+    return Sound(
+        samples=samples, rate=RATE, t_mono_ns=t_ns, t_wall_ns=t_ns + 5, seq=number, source="test", dropped=dropped
+    )  # fmt: skip
 
 
 def heard(numbers: list[int]) -> tuple[list[int], Faults]:
@@ -101,10 +103,8 @@ def test_after_a_pause_of_the_network_blocks_are_lost_and_those_held_back_are_he
 
 def test_sequence_numbers_begin_again_after_the_largest() -> None:
     order = BlockOrder()
-    newest = block(1)
     for i, seq in enumerate((2**32 - 1, 0, 1)):
-        t_ns = BEGIN_NS + i * BLOCK_NS
-        assert order.accept(Sound(newest.samples, RATE, t_ns, t_ns, seq, "test", 0), i * BLOCK_NS)
+        assert order.accept(replace(block(i), seq=seq), i * BLOCK_NS)
     assert order.faults == Faults()
 
 
@@ -122,9 +122,7 @@ def test_a_piece_without_losses_has_no_gap_whatever_the_clock_of_the_device(
     blocks = [block(1)]
     for number, error_us in enumerate(errors_us, 2):
         one = block(number)
-        blocks.append(
-            Sound(one.samples, RATE, one.t_mono_ns + error_us * 1000, one.t_wall_ns, number, "test", 0)
-        )
+        blocks.append(replace(one, t_mono_ns=one.t_mono_ns + error_us * 1000))
     piece = joined(blocks, wanted)
     assert len(piece.samples) == wanted
     assert piece.lost == 0
@@ -144,7 +142,7 @@ def test_lost_frames_are_not_silence_in_the_level() -> None:
     for level, ear in zip(half.level, there.T, strict=True):
         assert level == pytest.approx(20 * np.log10(np.sqrt(np.mean(np.square(ear)))), abs=1e-4)
     assert whole.lost == 0
-    assert Sound(np.zeros((5, 2), np.float32), RATE, 0, 0, 1, "test", 0, lost=5).level == (-120.0, -120.0)
+    assert replace(block(1), samples=np.zeros((5, 2), np.float32), lost=5).level == (-120.0, -120.0)
 
 
 def test_a_sound_is_saved_and_shown_as_wav(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ from statuses import READY
 from beatrix_zenoh.bus import Received, Reply
 from beatrix_zenoh.client.monitor import EventLog, Presence, RobotRecord
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.client.subscription import Inbox, Subscription, message
+from beatrix_zenoh.client.subscription import Subscription, message
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, Events, Status
@@ -109,7 +109,7 @@ def test_close_ends_an_iteration_in_another_thread(client: FakeClient) -> None:
     assert (read, reader.is_alive(), client.bus.subscribers) == (["a"], False, [])
     with pytest.raises(NoAnswer, match="closed by this program"):
         subscription.next()
-    subscription._inbox.receive(Received(KEY, status("late"), "", None))
+    subscription._receive(Received(KEY, status("late"), "", None))
     assert subscription.take() == []
 
 
@@ -171,21 +171,16 @@ def interrupted(read: Callable[[], object], nth: int) -> bool:
     return False
 
 
-def publication(payload: bytes) -> Received:
-    return Received("key", payload, "", None)
-
-
-def test_an_interrupted_reader_does_not_block_the_next_publication() -> None:
+def test_an_interrupted_reader_does_not_block_the_next_publication(client: FakeClient) -> None:
     for nth in range(1, CALLS):
-        inbox = Inbox(10)
-        inbox.receive(publication(b"1"))
-        was_interrupted = interrupted(lambda inbox=inbox: (inbox.next(0.0), inbox.next(0.001)), nth)  # type: ignore[misc]
-        publisher = threading.Thread(target=inbox.receive, args=(publication(b"2"),), daemon=True)
-        publisher.start()
-        publisher.join(timeout=10.0)
-        assert not publisher.is_alive(), f"interrupted at call {nth}"
-        sample = inbox.next(1.0)
-        assert sample is not None
+        with subscribed(client) as inbox:
+            client.bus.publish(status("1"))
+            was_interrupted = interrupted(lambda inbox=inbox: (inbox.take(), inbox.take(0.001)), nth)  # type: ignore[misc]
+            publisher = threading.Thread(target=client.bus.publish, args=(status("2"),), daemon=True)
+            publisher.start()
+            publisher.join(timeout=10.0)
+            assert not publisher.is_alive(), f"interrupted at call {nth}"
+            assert inbox.take(1.0)[-1] == "2"
         if not was_interrupted:
             assert nth > 10, "nothing was interrupted"
             return

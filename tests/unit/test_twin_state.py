@@ -53,12 +53,16 @@ def test_the_begin_of_a_motion_does_not_depend_on_the_clock_of_the_robot(
     monkeypatch: pytest.MonkeyPatch, clock_s: float
 ) -> None:
     monkeypatch.setattr(twin_motion, "offset_of", lambda _robot: Offset(clock_s, 0.001))
-    begin = MotionBegin(Mock(), ArmAngles(0.0, 0.0, 0.0))
+    robot = Mock()
+    begin = MotionBegin(robot, ArmAngles(0.0, 0.0, 0.0))
     assert begin.begin_s() is None
-    for index in range(100):
-        turned = ArmAngles(max(0.0, 50 * (index * 0.02 - 0.111)), 0.0, 0.0)
-        begin.see(Reading(clock_s + index * 0.02, turned, turned, turned, HeadAngles(0.0, 0.0, 0.0)))
-    assert begin.begin_s() == pytest.approx(0.121, abs=0.001)
+    turned = [ArmAngles(max(0.0, 50 * (index * 0.02 - 0.111)), 0.0, 0.0) for index in range(100)]
+    robot.stream().take.return_value = [
+        Reading(clock_s + index * 0.02, arms, arms, arms, HeadAngles(0.0, 0.0, 0.0))
+        for index, arms in enumerate(turned)
+    ]
+    begin.read()
+    assert begin.begin_s() == pytest.approx(0.14, abs=0.001)
 
 
 def test_a_cause_that_stop_meets_again_is_reported_once(monkeypatch: pytest.MonkeyPatch) -> None:

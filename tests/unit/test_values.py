@@ -113,7 +113,10 @@ def test_what_only_says_how_a_value_is_shown_changes_no_contract() -> None:
 
 
 def picture(jpeg: bytes) -> CameraImage:
-    return CameraImage(jpeg, "left", 1, 0, 0, 32, 16, "egl", 0, 0)
+    return CameraImage(
+        jpeg=jpeg, eye="left", seq=1, t_mono_ns=0, t_wall_ns=0, width=32, height=16, source="egl",
+        arrived_mono_ns=0, arrived_wall_ns=0,
+    )  # fmt: skip
 
 
 def test_a_status_has_lines_without_clocks_and_empty_fields() -> None:

@@ -8,169 +8,78 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from beatrix_zenoh.contract.rows import KeyRow, parser
+from beatrix_zenoh.contract.rows import KeyRow, parser, stream
 
-KEYS: Final[dict[str, KeyRow]] = {
-    "motion": KeyRow(
-        "beatrix/{robot}/{side}/cmd/{who}/motion", "query", "MotionQuery", "MotionReply", "motion"
-    ),
-    "pose": KeyRow("beatrix/{robot}/{side}/cmd/{who}/pose", "query", "PoseQuery", "MotionReply", "motion"),
-    "command": KeyRow(
-        "beatrix/{robot}/{side}/cmd/{who}/command",
-        "query",
-        "CommandQuery",
-        "CommandReply",
-        "control",
-        priority="interactive_high",
-    ),
-    "lease": KeyRow(
-        "beatrix/{robot}/{side}/cmd/{who}/lease",
-        "query",
-        "LeaseQuery",
-        "LeaseReply",
-        "control",
-        priority="interactive_high",
-    ),
-    "stop": KeyRow(
-        "beatrix/{robot}/{side}/stop/{who}",
-        "query and put",
-        "",
-        "CommandReply",
-        "control",
-        priority="real_time",
-    ),
-    "stop_unsigned": KeyRow(
-        "beatrix/{robot}/{side}/stop", "query and put", "", "CommandReply", "control", priority="real_time"
-    ),
-    "preview": KeyRow(
-        "beatrix/{robot}/sim/cmd/{who}/preview",
-        "query",
-        "MotionQuery or PoseQuery",
-        "PreviewReply",
-        "queries",
-        sides=("sim",),
-    ),
-    "follow": KeyRow(
-        "beatrix/{robot}/sim/cmd/{who}/follow",
-        "query",
-        "FollowQuery",
-        "CommandReply",
-        "control",
-        sides=("sim",),
-        priority="interactive_high",
-    ),
-    "positions": KeyRow(
-        "beatrix/{robot}/{side}/state/positions",
-        "publication and query",
-        "Positions",
-        "Positions",
-        "queries",
-        publish="control",
-        priority="interactive_high",
-        rate_hz=50,
-    ),
-    "positions_json": KeyRow(
-        "beatrix/{robot}/{side}/state/positions/json",
-        "publication and query",
-        "Positions",
-        "Positions",
-        "queries",
-        publish="control",
-        rate_hz=50,
-    ),
-    "status": KeyRow(
-        "beatrix/{robot}/{side}/state/status",
-        "publication and query",
-        "Status",
-        "Status",
-        "queries",
-        publish="control",
-        priority="interactive_high",
-        rate_hz=1,
-    ),
-    "status_json": KeyRow(
-        "beatrix/{robot}/{side}/state/status/json",
-        "publication and query",
-        "Status",
-        "Status",
-        "queries",
-        publish="control",
-        rate_hz=1,
-    ),
-    "events": KeyRow(
-        "beatrix/{robot}/{side}/state/events",
-        "publication and query",
-        "Event",
-        "Events",
-        "queries",
-        publish="control",
-    ),
-    "events_json": KeyRow(
-        "beatrix/{robot}/{side}/state/events/json",
-        "publication and query",
-        "Event",
-        "Events",
-        "queries",
-        publish="control",
-    ),
-    "camera": KeyRow(
-        "beatrix/{robot}/{side}/state/camera/{eye}",
-        "publication",
-        "JPEG, with FrameHeader as attachment",
-        "",
-        "media",
-        publish="media",
-        priority="data_low",
-    ),
-    "microphones": KeyRow(
-        "beatrix/{robot}/{side}/state/microphones",
-        "publication",
-        "int16 samples, with SoundHeader as attachment",
-        "",
-        "media",
-        publish="media",
-        priority="data_low",
-        rate_hz=50,
-    ),
-    "target": KeyRow(
-        "beatrix/{robot}/sim/scene/target", "query", "TargetQuery", "TargetReply", "queries", sides=("sim",)
-    ),
-    "sound": KeyRow(
-        "beatrix/{robot}/sim/scene/sound", "query", "SoundQuery", "SoundReply", "queries", sides=("sim",)
-    ),
-    "arm_target": KeyRow("beatrix/{robot}/{side}/arm/{arm}/target", "put", "number", "", "motion"),
-    "info": KeyRow(
-        "beatrix/{robot}/{side}/info", "query", "", "Info", "queries", priority="interactive_high"
-    ),
-    "clock": KeyRow(
-        "beatrix/{robot}/{side}/clock", "query", "", "Clock", "queries", priority="interactive_high"
-    ),
-    "alive": KeyRow("beatrix/{robot}/{side}/@alive", "token", "", "", "control"),
-    "claim": KeyRow("beatrix/{robot}/{side}/@claim/{session}", "token", "", "", "control"),
-    "seat": KeyRow("beatrix/@seat/{who}/{session}", "token", "", "", "control"),
-    "seats_router": KeyRow("beatrix/@router/{session}", "token", "", "", "control"),
-    "program": KeyRow("beatrix/@program/{who}/{session}", "query", "", "ProgramInfo", "queries"),
-    "note": KeyRow("beatrix/@note/{who}/{session}", "query", "NoteQuery", "NoteReply", "queries"),
-    "lesson": KeyRow(
-        "beatrix/@lesson/{who}/{lesson}",
-        "publication and query",
-        "LessonState",
-        "LessonState",
-        "queries",
-        publish="queries",
-    ),
-    "pending": KeyRow(
-        "beatrix/@pending/{robot}/{side}",
-        "query",
-        "LeaseQuery",
-        "LeaseReply",
-        "queries",
-        priority="interactive_high",
-    ),
-}
+motion = KeyRow("beatrix/{robot}/{side}/cmd/{who}/motion", "MotionQuery", "MotionReply", "motion")
+pose = KeyRow("beatrix/{robot}/{side}/cmd/{who}/pose", "PoseQuery", "MotionReply", "motion")
+command = KeyRow(
+    "beatrix/{robot}/{side}/cmd/{who}/command", "CommandQuery", "CommandReply", "control", "interactive_high"
+)
+lease = KeyRow(
+    "beatrix/{robot}/{side}/cmd/{who}/lease", "LeaseQuery", "LeaseReply", "control", "interactive_high"
+)
+stop = KeyRow(
+    "beatrix/{robot}/{side}/stop/{who}", "", "CommandReply", "control", "real_time", kind="query and put"
+)
+stop_unsigned = KeyRow(
+    "beatrix/{robot}/{side}/stop", "", "CommandReply", "control", "real_time", kind="query and put"
+)
+preview = KeyRow(
+    "beatrix/{robot}/sim/cmd/{who}/preview", "MotionQuery or PoseQuery", "PreviewReply", "queries"
+)
+follow = KeyRow(
+    "beatrix/{robot}/sim/cmd/{who}/follow", "FollowQuery", "CommandReply", "control", "interactive_high"
+)
+positions = stream(
+    "beatrix/{robot}/{side}/state/positions", "Positions", priority="interactive_high", rate_hz=50
+)
+positions_json = stream("beatrix/{robot}/{side}/state/positions/json", "Positions", rate_hz=50)
+status = stream("beatrix/{robot}/{side}/state/status", "Status", priority="interactive_high", rate_hz=1)
+status_json = stream("beatrix/{robot}/{side}/state/status/json", "Status", rate_hz=1)
+events = stream("beatrix/{robot}/{side}/state/events", "Event", reply="Events")
+events_json = stream("beatrix/{robot}/{side}/state/events/json", "Event", reply="Events")
+camera = KeyRow(
+    "beatrix/{robot}/{side}/state/camera/{eye}",
+    "JPEG, with FrameHeader as attachment",
+    "",
+    "media",
+    "data_low",
+    kind="publication",
+    publish="media",
+)
+microphones = KeyRow(
+    "beatrix/{robot}/{side}/state/microphones",
+    "int16 samples, with SoundHeader as attachment",
+    "",
+    "media",
+    "data_low",
+    kind="publication",
+    publish="media",
+    rate_hz=50,
+)
+target = KeyRow("beatrix/{robot}/sim/scene/target", "TargetQuery", "TargetReply", "queries")
+sound = KeyRow("beatrix/{robot}/sim/scene/sound", "SoundQuery", "SoundReply", "queries")
+arm_target = KeyRow("beatrix/{robot}/{side}/arm/{arm}/target", "number", "", "motion", kind="put")
+info = KeyRow("beatrix/{robot}/{side}/info", "", "Info", "queries", "interactive_high")
+clock = KeyRow("beatrix/{robot}/{side}/clock", "", "Clock", "queries", "interactive_high")
+alive = KeyRow("beatrix/{robot}/{side}/@alive", "", "", "control", kind="token")
+claim = KeyRow("beatrix/{robot}/{side}/@claim/{session}", "", "", "control", kind="token")
+seat = KeyRow("beatrix/@seat/{who}/{session}", "", "", "control", kind="token")
+seats_router = KeyRow("beatrix/@router/{session}", "", "", "control", kind="token")
+program = KeyRow("beatrix/@program/{who}/{session}", "", "ProgramInfo", "queries")
+note = KeyRow("beatrix/@note/{who}/{session}", "NoteQuery", "NoteReply", "queries")
+lesson = KeyRow(
+    "beatrix/@lesson/{who}/{lesson}",
+    "LessonState",
+    "LessonState",
+    "queries",
+    kind="publication and query",
+    publish="queries",
+)
+pending = KeyRow("beatrix/@pending/{robot}/{side}", "LeaseQuery", "LeaseReply", "queries", "interactive_high")
 
-
-KEY_TEXT: Final[dict[str, str]] = {
+KEYS: Final = {name: row for name, row in vars().items() if isinstance(row, KeyRow)}
+KEY_TEXT: Final = {
     "motion": "Turn the arms. A motion gets two replies: accepted and done.",
     "pose": "Turn the head. A motion gets two replies: accepted and done.",
     "command": "Send a command, such as ENABLE, CALIBRATE, HOME or STOP.",
@@ -201,247 +110,6 @@ KEY_TEXT: Final[dict[str, str]] = {
     "lesson": "What a seat has reached in a lesson. The router of a class keeps the newest of each in memory until it ends. In a class each seat publishes only under its own name, and only the teacher reads.",
     "pending": "A decision of the teacher (freeze, mute, limit and their ends) for robots of a class that are not online: the router of the class keeps the newest of each kind in a file, and sends it to the robot when that comes. Each robot for which it keeps any has a reply that lists them; an empty query only reads them. In a class only the teacher may send it.",
 }
-
-
-def motion(robot: str, side: str, who: str) -> str:
-    """Return the key `beatrix/{robot}/{side}/cmd/{who}/motion`.
-
-    Turn the arms. A motion gets two replies: accepted and done.
-    """
-    return f"beatrix/{robot}/{side}/cmd/{who}/motion"
-
-
-def pose(robot: str, side: str, who: str) -> str:
-    """Return the key `beatrix/{robot}/{side}/cmd/{who}/pose`.
-
-    Turn the head. A motion gets two replies: accepted and done.
-    """
-    return f"beatrix/{robot}/{side}/cmd/{who}/pose"
-
-
-def command(robot: str, side: str, who: str) -> str:
-    """Return the key `beatrix/{robot}/{side}/cmd/{who}/command`.
-
-    Send a command, such as ENABLE, CALIBRATE, HOME or STOP.
-    """
-    return f"beatrix/{robot}/{side}/cmd/{who}/command"
-
-
-def lease(robot: str, side: str, who: str) -> str:
-    """Return the key `beatrix/{robot}/{side}/cmd/{who}/lease`.
-
-    Take a robot or give it back; the teacher also freezes it, limits its speed and mutes seats.
-    """
-    return f"beatrix/{robot}/{side}/cmd/{who}/lease"
-
-
-def stop(robot: str, side: str, who: str) -> str:
-    """Return the key `beatrix/{robot}/{side}/stop/{who}`.
-
-    Stop at once, under the name of a seat. With any payload, without lease. A put and a query of one press carry the same number as attachment (8 random bytes): a put that comes after its query is ignored. In a class each seat may send it to all robots, only under its own name, which events then show.
-    """
-    return f"beatrix/{robot}/{side}/stop/{who}"
-
-
-def stop_unsigned(robot: str, side: str) -> str:
-    """Return the key `beatrix/{robot}/{side}/stop`.
-
-    Stop at once, without a seat. On a router without accounts it is open to every client, and events show no seat; in a class only the teacher may send it, and events show the teacher.
-    """
-    return f"beatrix/{robot}/{side}/stop"
-
-
-def preview(robot: str, who: str) -> str:
-    """Return the key `beatrix/{robot}/sim/cmd/{who}/preview`.
-
-    Try a motion on a copy of the simulation.
-    """
-    return f"beatrix/{robot}/sim/cmd/{who}/preview"
-
-
-def follow(robot: str, who: str) -> str:
-    """Return the key `beatrix/{robot}/sim/cmd/{who}/follow`.
-
-    Let the simulation follow the hardware of its name, or end this. While it follows, its arms take the set points that the hardware publishes, and its own motions and previews are refused. STOP of the simulation also ends it.
-    """
-    return f"beatrix/{robot}/sim/cmd/{who}/follow"
-
-
-def positions(robot: str, side: str) -> str:
-    """Return the key `beatrix/{robot}/{side}/state/positions`.
-
-    Positions of the robot, at 50 Hz while a client subscribes; a query returns the newest.
-    """
-    return f"beatrix/{robot}/{side}/state/positions"
-
-
-def positions_json(robot: str, side: str) -> str:
-    """Return the key `beatrix/{robot}/{side}/state/positions/json`.
-
-    Positions as JSON text, published only while a client subscribes.
-    """
-    return f"beatrix/{robot}/{side}/state/positions/json"
-
-
-def status(robot: str, side: str) -> str:
-    """Return the key `beatrix/{robot}/{side}/state/status`.
-
-    State of the robot, on change and once a second; a query returns the newest.
-    """
-    return f"beatrix/{robot}/{side}/state/status"
-
-
-def status_json(robot: str, side: str) -> str:
-    """Return the key `beatrix/{robot}/{side}/state/status/json`.
-
-    Status as JSON text, published only while a client subscribes.
-    """
-    return f"beatrix/{robot}/{side}/state/status/json"
-
-
-def events(robot: str, side: str) -> str:
-    """Return the key `beatrix/{robot}/{side}/state/events`.
-
-    Every request with its seat and outcome, STOP, lease changes, board lost and found, warnings, log records. A query returns the last 200.
-    """
-    return f"beatrix/{robot}/{side}/state/events"
-
-
-def events_json(robot: str, side: str) -> str:
-    """Return the key `beatrix/{robot}/{side}/state/events/json`.
-
-    Events as JSON text, published only while a client subscribes.
-    """
-    return f"beatrix/{robot}/{side}/state/events/json"
-
-
-def camera(robot: str, side: str, eye: str) -> str:
-    """Return the key `beatrix/{robot}/{side}/state/camera/{eye}`.
-
-    Pictures of one eye, or of a simulated head from outside, `image/jpeg`, published only while a client subscribes. The attachment is in msgpack.
-    """
-    return f"beatrix/{robot}/{side}/state/camera/{eye}"
-
-
-def microphones(robot: str, side: str) -> str:
-    """Return the key `beatrix/{robot}/{side}/state/microphones`.
-
-    Blocks of 20 ms of sound: 960 frames of two int16 samples, little-endian, left first; `audio/pcm`, published only while a client subscribes. The attachment is in msgpack.
-    """
-    return f"beatrix/{robot}/{side}/state/microphones"
-
-
-def target(robot: str) -> str:
-    """Return the key `beatrix/{robot}/sim/scene/target`.
-
-    Move the person that the simulated eyes see; an empty query returns the person's place. Open to every client: no arm moves.
-    """
-    return f"beatrix/{robot}/sim/scene/target"
-
-
-def sound(robot: str) -> str:
-    """Return the key `beatrix/{robot}/sim/scene/sound`.
-
-    Play a sound in the simulated room, or place its source; an empty query returns what plays where. The attachment of `samples` is mono sound, int16, little-endian, 48 000 per second. Open to every client: no arm moves.
-    """
-    return f"beatrix/{robot}/sim/scene/sound"
-
-
-def arm_target(robot: str, side: str, arm: str) -> str:
-    """Return the key `beatrix/{robot}/{side}/arm/{arm}/target`.
-
-    Turn one arm to this angle (rad) at the default speed; a newer target replaces an older one. These are the per-arm topics of 2023. The seat is `arm-topics`, lease and limits apply, and refusals appear as warnings in the status.
-    """
-    return f"beatrix/{robot}/{side}/arm/{arm}/target"
-
-
-def info(robot: str, side: str) -> str:
-    """Return the key `beatrix/{robot}/{side}/info`.
-
-    All data that a program without the library needs to drive this robot.
-    """
-    return f"beatrix/{robot}/{side}/info"
-
-
-def clock(robot: str, side: str) -> str:
-    """Return the key `beatrix/{robot}/{side}/clock`.
-
-    Clocks of the node's computer, for offset estimates.
-    """
-    return f"beatrix/{robot}/{side}/clock"
-
-
-def alive(robot: str, side: str) -> str:
-    """Return the key `beatrix/{robot}/{side}/@alive`.
-
-    Liveliness token of a node that serves this robot.
-    """
-    return f"beatrix/{robot}/{side}/@alive"
-
-
-def claim(robot: str, side: str, session: str) -> str:
-    """Return the key `beatrix/{robot}/{side}/@claim/{session}`.
-
-    Liveliness token of a node that serves, or is about to serve, under this name. If two nodes start at the same time under one name, one of them withdraws.
-    """
-    return f"beatrix/{robot}/{side}/@claim/{session}"
-
-
-def seat(who: str, session: str) -> str:
-    """Return the key `beatrix/@seat/{who}/{session}`.
-
-    Liveliness token of a client's session (Zenoh id). When it disappears, the node stops the motion that this session requested under this seat. The source info of a query names the session that sent it. Without source info the node cannot detect that the client has disconnected: the motion ends at its goal, by STOP, or when the router is lost.
-    """
-    return f"beatrix/@seat/{who}/{session}"
-
-
-def seats_router(session: str) -> str:
-    """Return the key `beatrix/@router/{session}`.
-
-    Liveliness token of the router of the seats of a class, which only this router may declare. When it disappears, the tokens of all seats do, too: a node stops the motions of the seats, and keeps their leases and places until 3 s after its return. Both routers of a class answer a query on `robots` or `seats` in place of the session, with which `beatrix router` checks them.
-    """
-    return f"beatrix/@router/{session}"
-
-
-def program(who: str, session: str) -> str:
-    """Return the key `beatrix/@program/{who}/{session}`.
-
-    What a program says of itself: a client under its seat, a node under its robot's name, each with the id of its session. `beatrix graph` asks all of them; the router answers nothing about itself.
-    """
-    return f"beatrix/@program/{who}/{session}"
-
-
-def note(who: str, session: str) -> str:
-    """Return the key `beatrix/@note/{who}/{session}`.
-
-    Put a note into a running recording; the chunk after the seat is the session of the recorder, or `*` for all recordings. Answered by each `beatrix record`.
-    """
-    return f"beatrix/@note/{who}/{session}"
-
-
-def lesson(who: str, lesson: str) -> str:
-    """Return the key `beatrix/@lesson/{who}/{lesson}`.
-
-    What a seat has reached in a lesson. The router of a class keeps the newest of each in memory until it ends. In a class each seat publishes only under its own name, and only the teacher reads.
-    """
-    return f"beatrix/@lesson/{who}/{lesson}"
-
-
-def pending(robot: str, side: str) -> str:
-    """Return the key `beatrix/@pending/{robot}/{side}`.
-
-    A decision of the teacher (freeze, mute, limit and their ends) for robots of a class that are not online: the router of the class keeps the newest of each kind in a file, and sends it to the robot when that comes. Each robot for which it keeps any has a reply that lists them; an empty query only reads them. In a class only the teacher may send it.
-    """
-    return f"beatrix/@pending/{robot}/{side}"
-
-
 NAME: Final = re.compile(r"[a-z0-9-]{1,32}")
 """Names of robots and seats."""
 parse = parser(KEYS, NAME)
-
-
-POSITIONS_HZ: Final = 50
-POSITIONS_JSON_HZ: Final = 50
-STATUS_HZ: Final = 1
-STATUS_JSON_HZ: Final = 1
-MICROPHONES_HZ: Final = 50

@@ -24,22 +24,16 @@ TELEMETRY_PERIOD: Final = 10
 """period of TELEMETRY, which is also sent at once when a motion ends or the state changes [ms]"""
 TELEMETRY_PATIENCE: Final = 2
 """longest delay of TELEMETRY after its period while a frame is being received [ms]"""
-HEARTBEAT_TIMEOUT: Final = 500
-"""without a valid frame for this long while moving, the firmware stops the arms [ms]"""
 HEARTBEAT_PERIOD: Final = 200
 """longest pause between two frames of the host [ms]"""
 REPLY_TIMEOUT: Final = 100
 """time after which the host repeats a request [ms]"""
 TRIES: Final = 3
 """number of tries before the host reports the board lost"""
-TEXT_START: Final = 64
-"""'@'"""
 TEXT_LINE_MAX: Final = 127
 """longest line of text, without its end [byte]"""
 TEXT_LINE_TIMEOUT: Final = 2000
 """without a byte for this long an incomplete line or frame is dropped [ms]"""
-TEXT_MOTION: Final = 0
-"""number of every motion of the text port, in TELEMETRY"""
 HOST_GONE: Final = 2000
 """without a valid frame for this long the firmware assumes that there is no host: no telemetry, text replies without frames, text motions without heartbeat [ms]"""
 
@@ -177,16 +171,6 @@ class Enable(Frame, frozen=True):
     """0 or 1"""
 
 
-class SetName(Frame, frozen=True):
-    """Store this robot name in non-volatile memory. Answered with ACK."""
-
-    kind: ClassVar[FrameType] = FrameType.SET_NAME
-    layout = struct.Struct("<32s")
-    counts = (1,)
-    name: bytes
-    """[a-z0-9-], padded with zeros"""
-
-
 class MoveStraight(Frame, frozen=True):
     """As MOVE, but from rest all arms start and arrive together, because arms with a shorter distance move more slowly. An arm with one or two steps makes them within the time of the others. From a running motion the speeds are chosen in the same way, each arm has its full ramps, and the arms arrive at about the same time. Answered with ACK."""
 
@@ -215,16 +199,6 @@ class HelloReply(Frame, frozen=True):
     """number of starts of the board"""
     name: bytes
     """robot name, padded with zeros"""
-
-
-class Ack(Frame, frozen=True):
-    """Answer to all other requests; its type on the wire is the request's type | 0x80."""
-
-    kind: ClassVar[FrameType] = FrameType.ACK
-    layout = struct.Struct("<B")
-    counts = (1,)
-    error: int
-    """0 or an error code"""
 
 
 class Telemetry(Frame, frozen=True):

@@ -9,42 +9,22 @@ from typing import Final
 
 from msgspec import Struct
 
-from beatrix_zenoh.contract._generated.messages import (
-    BoardStatus,
-    CameraStatus,
-    GeometryInfo,
-    Head,
-    Info,
-    KeyInfo,
-    LimitInfo,
-    MicrophonesStatus,
-    PlantStatus,
-    Positions,
-    SeatCount,
-    SoundHeader,
-    Status,
-    Steps,
-    Vector3,
-)
+from beatrix_zenoh.contract._generated import messages
 from beatrix_zenoh.contract.rows import ValueRow
 
 VALUES: Final[dict[type[Struct], dict[str, ValueRow]]] = {
-    Vector3: {
+    messages.Vector3: {
         "x": ValueRow(title="short"),
         "y": ValueRow(title="middle"),
         "z": ValueRow(title="long"),
     },
-    Steps: {
+    messages.Steps: {
         "x": ValueRow(title="short"),
         "y": ValueRow(title="middle"),
         "z": ValueRow(title="long"),
     },
-    Head: {
-        "yaw": ValueRow(unit="rad"),
-        "pitch": ValueRow(unit="rad"),
-        "roll": ValueRow(unit="rad"),
-    },
-    Positions: {
+    messages.Head: {"yaw": ValueRow(unit="rad"), "pitch": ValueRow(unit="rad"), "roll": ValueRow(unit="rad")},
+    messages.Positions: {
         "t_mono_ns": ValueRow(title="monotonic clock", unit="ns"),
         "t_wall_ns": ValueRow(title="wall clock", unit="ns"),
         "position": ValueRow(unit="rad"),
@@ -53,22 +33,22 @@ VALUES: Final[dict[type[Struct], dict[str, ValueRow]]] = {
         "head": ValueRow(unit="rad"),
         "head_measured": ValueRow(unit="rad"),
     },
-    BoardStatus: {},
-    PlantStatus: {
+    messages.BoardStatus: {},
+    messages.PlantStatus: {
         "real_time_factor": ValueRow(decimals=2),
         "re_placed": ValueRow(title="neck put back"),
     },
-    CameraStatus: {
+    messages.CameraStatus: {
         "hz": ValueRow(title="rate", unit="1/s", on_change=False),
         "width": ValueRow(unit="px"),
         "height": ValueRow(unit="px"),
     },
-    MicrophonesStatus: {
+    messages.MicrophonesStatus: {
         "rate": ValueRow(title="sampling rate", unit="1/s"),
         "dropped": ValueRow(on_change=False),
     },
-    SeatCount: {},
-    Status: {
+    messages.SeatCount: {},
+    messages.Status: {
         "t_mono_ns": ValueRow(title="monotonic clock", unit="ns", group="clocks", on_change=False),
         "t_wall_ns": ValueRow(title="wall clock", unit="ns", group="clocks", on_change=False),
         "robot": ValueRow(group="robot"),
@@ -93,13 +73,13 @@ VALUES: Final[dict[type[Struct], dict[str, ValueRow]]] = {
         "plant": ValueRow(title="physics", on_change=False),
         "cameras": ValueRow(title="camera"),
     },
-    SoundHeader: {
+    messages.SoundHeader: {
         "t_mono_ns": ValueRow(unit="ns"),
         "t_wall_ns": ValueRow(unit="ns"),
         "rate": ValueRow(unit="1/s"),
     },
-    KeyInfo: {},
-    LimitInfo: {
+    messages.KeyInfo: {},
+    messages.LimitInfo: {
         "tilt_max": ValueRow(unit="rad"),
         "gap_min": ValueRow(unit="rad"),
         "yaw_max": ValueRow(unit="rad"),
@@ -107,14 +87,14 @@ VALUES: Final[dict[type[Struct], dict[str, ValueRow]]] = {
         "speed_max": ValueRow(unit="rad/s"),
         "acceleration": ValueRow(unit="rad/s2"),
     },
-    GeometryInfo: {
+    messages.GeometryInfo: {
         "arm_angle": ValueRow(unit="rad"),
         "rod_twist": ValueRow(unit="rad"),
         "mount_angle": ValueRow(unit="rad"),
         "arm0_azimuth": ValueRow(unit="rad"),
         "arm_spacing": ValueRow(unit="rad"),
     },
-    Info: {
+    messages.Info: {
         "robot": ValueRow(group="robot"),
         "side": ValueRow(group="robot"),
         "version": ValueRow(group="robot"),

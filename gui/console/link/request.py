@@ -172,8 +172,7 @@ class PlannedMotion(Request):
         """Stop the motion, and keep it from being sent to the hardware."""
         motion = self.motion
         if motion is not None and self.ending is not None:
-            motion.run.hold()
-            motion.run.end(self.ending)
+            motion.end(self.ending)
 
 
 class Program(Request):
