@@ -25,6 +25,7 @@ from beatrix_zenoh import threads
 from beatrix_zenoh.account import Account, today
 from beatrix_zenoh.classroom import router_file
 from beatrix_zenoh.classroom.pending import PendingDecisions
+from beatrix_zenoh.classroom.reports import KeptReports
 from beatrix_zenoh.classroom.router_file import CHECK_KEY, Part, RouterFile
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
@@ -172,7 +173,7 @@ class ClassRouters:
         try:
             self._start(Part.ROBOTS, self.file)
             self._reports = zbus.connect(self.file.listen, account=self.file.account())
-            self._reports.use(zbus.KeptReports(lessons).serve)
+            KeptReports(self._reports, lessons)
             PendingDecisions(self._reports, self._place.with_name("pending.json"), lambda: self.file.robots)
             self._start(Part.SEATS, self.file)
         except BeatrixError:
