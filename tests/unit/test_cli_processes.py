@@ -10,7 +10,7 @@ import pytest
 from robots import free_endpoint, until
 
 from beatrix_zenoh import NoAnswer, Refused, processes
-from beatrix_zenoh.cli.serving import UpOptions, start_robots
+from beatrix_zenoh.cli.serving import start_programs
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.output import CODES
 from beatrix_zenoh.processes import CRASHES_S, Ending, Role, Supervisor, classify
@@ -133,8 +133,8 @@ def test_robots_end_before_the_window_and_the_router_ends_last(monkeypatch: pyte
             ended.append(self.title)
 
     monkeypatch.setattr(processes, "Child", FakeChild)
-    options = UpOptions({"sim": "MuJoCo", "hw": "virtual:"}, False, None, None, None, None, True)
     with Supervisor() as supervisor:
         supervisor.start("router")
-        start_robots(supervisor, Settings("bea", "tcp/127.0.0.1:1", "ana"), options)
+        programs = dict.fromkeys(("gui", "sim", "hw"), ())
+        start_programs(supervisor, Settings("bea", "tcp/127.0.0.1:1", "ana"), programs)
     assert ended == ["hardware", "simulation", "window", "router"]
