@@ -19,7 +19,9 @@ BUFFERS = {"so_sndbuf": 256 * 1024, "so_rcvbuf": 32 * 1024}
 closes a TLS connection only after all data is written, so a buffer that is full would hide a lost computer."""
 PUT_OUT = "the teacher has removed it from the class, or it is put out for a minute"
 """Cause if the router accepts the certificate and closes the session, perhaps before it is open."""
-REPLACED = "the certificate may be replaced by a newer one, removed, expired or of another class"
+REPLACED = (
+    "the certificate may have been replaced by a newer one, removed, or expired, or is of another class"
+)
 
 
 @dataclass(frozen=True, repr=False)

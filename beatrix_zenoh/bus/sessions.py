@@ -10,15 +10,14 @@ import itertools
 import sys
 import threading
 import weakref
-from collections.abc import Callable, Iterable
-from collections.abc import Set as AbstractSet
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.bus.declarations import Publication
 from beatrix_zenoh.bus.incoming import Incoming, Received
-from beatrix_zenoh.bus.messages import HEALTH, HEALTHY, PUBLISHER, QUERYABLE, REST, SUBSCRIBER, TOKEN, WATCH
+from beatrix_zenoh.bus.messages import HEALTH, HEALTHY, PUBLISHER, QUERYABLE, SUBSCRIBER
 from beatrix_zenoh.bus.session import Bus
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import ProgramInfo, Reason
@@ -70,7 +69,7 @@ class ProcessSessions:
 
 
 class Sessions:
-    """The sessions as one node uses them, and what this node has declared in them."""
+    """The sessions as one node uses them, and what this node publishes in the session that it shares."""
 
     def __init__(
         self, opened: Callable[[], Bus] | ProcessSessions, shared: ProcessSessions | None = None
@@ -81,9 +80,8 @@ class Sessions:
         """
         self._own = opened if isinstance(opened, ProcessSessions) else ProcessSessions(opened)
         self._shared = shared
-        self._lock = threading.Lock()
-        self._ends: dict[Callable[[], None], tuple[str, str]] = {}
-        """Kind and key of each declaration by the function that ends it, the oldest first."""
+        self._published: dict[str, Callable[[], None]] = {}
+        """The function that ends each publication in the shared session, by key."""
 
     @property
     def control(self) -> Bus:
@@ -102,44 +100,45 @@ class Sessions:
 
     def serve(self, key: str, handle: Callable[[Incoming], None]) -> None:
         """Pass queries on `key`, a key of keys.toml, to `handle`, as `Bus.serve` does."""
-        self._declared(QUERYABLE, key, self.session(_row(key).session).serve(key, handle))
+        self.session(_row(key).session).serve(key, handle)
 
     def serve_rest(
         self, traffic: str, key: str, handle: Callable[[Incoming], None], skips: Callable[[str], bool]
     ) -> None:
         """Pass queries of a traffic class on `key`, which has wildcards, to `handle`, as `Bus.serve_rest` does."""
-        self._declared(REST, key, self.session(traffic).serve_rest(key, handle, skips))
+        self.session(traffic).serve_rest(key, handle, skips)
 
     def subscribe(self, key: str, handle: Callable[[Received], None]) -> Callable[[], None]:
         """Pass publications on `key` to `handle`, as `Bus.subscribe` does."""
-        return self._declared(SUBSCRIBER, key, self.session(_row(key).session).subscribe(key, handle))
+        return self.session(_row(key).session).subscribe(key, handle)
 
     def subscribe_newest(
         self, key: str, handle: Callable[[Received], None], skips: Callable[[str], bool]
     ) -> None:
         """Pass publications on `key` to `handle`, as `Bus.subscribe_newest` does."""
-        bus = self.session(_row(key).session)
-        self._declared(SUBSCRIBER, key, bus.subscribe_newest(key, handle, skips))
+        self.session(_row(key).session).subscribe_newest(key, handle, skips)
 
     def publication(
         self, key: str, encoding: str, on_subscribed: Callable[[], None] | None = None
     ) -> Publication:
         """Declare a publication, as `Bus.publication` does."""
-        publication, end = self.session(_row(key).publish).publication(key, encoding, on_subscribed)
-        self._declared(PUBLISHER, key, end)
+        traffic = _row(key).publish
+        publication, end = self.session(traffic).publication(key, encoding, on_subscribed)
+        if traffic == MEDIA and self._shared is not None:
+            self._published[key] = end
         return publication
 
     def declare_token(self, key: str) -> Callable[[], None]:
         """Declare a token in the control session, as `Bus.declare_token` does."""
-        return self._declared(TOKEN, key, self.control.declare_token(key))
+        return self.control.declare_token(key)
 
     def watch_tokens(self, key: str, handle: Callable[[str, bool], None]) -> None:
         """Report tokens to `handle`, as `Bus.watch_tokens` does."""
-        self._declared(WATCH, key, self.control.watch_tokens(key, handle))
+        self.control.watch_tokens(key, handle)
 
     def watch_router(self, handle: Callable[[bool], None]) -> None:
         """Report the connection to the router to `handle`, as `Bus.watch_router` does."""
-        self._declared(WATCH, "", self.control.watch_router(handle))
+        self.control.watch_router(handle)
 
     def watch_sessions(self, listener: SessionListener) -> Callable[[], None]:
         """Let the watchdog of the sessions report to a listener; return a function that ends this, before `close`."""
@@ -147,33 +146,15 @@ class Sessions:
             return self._own.watchdog.add(listener)
         return self._shared.watchdog.add(listener, self._own.opened)
 
-    def _declared(self, kind: str, key: str, end: Callable[[], None]) -> Callable[[], None]:
-        """Record a declaration; return the function that ends it and its record."""
-
-        def end_recorded() -> None:
-            with self._lock:
-                self._ends.pop(end_recorded, None)
-            end()
-
-        with self._lock:
-            self._ends[end_recorded] = kind, key
-        return end_recorded
-
     def describe(self, side: str) -> ProgramInfo:
         """Return the description of the node that uses these sessions."""
-        with self._lock:
-            declared = set(self._ends.values())
-        return description(declared, self.opened().values(), side)
+        return describe(self._own.opened().values(), side, [*self._published])
 
     def close(self) -> None:
-        """Close the sessions of this node, and end its declarations in a shared one; may be called twice."""
+        """Close the sessions of this node, and end its publications in a shared one; may be called twice."""
         self._own.close()
-        while True:
-            with self._lock:
-                end = next(reversed(self._ends), None)
-            if end is None:
-                return
-            end()
+        while self._published:
+            self._published.popitem()[1]()
 
 
 def _row(key: str) -> KeyRow:
@@ -187,28 +168,23 @@ COMMAND_LINES = ("beatrix", "beatrix.exe", "cli")
 """Names of programs whose first argument is a verb; `cli`: `python -m beatrix_zenoh.cli`."""
 
 
-def describe(sessions: Iterable[Bus]) -> ProgramInfo:
-    """Return the description of this program from the declarations of its sessions. Fast enough for Zenoh's threads."""
+def describe(sessions: Iterable[Bus], side: str = "", published: Sequence[str] = ()) -> ProgramInfo:
+    """Return the description of this program from the declarations of its sessions. Fast enough for Zenoh's threads.
+
+    `side` is that of a node, `published` are keys in a session that it shares with others.
+    """
     buses = list(sessions)
-    kinds = (QUERYABLE, PUBLISHER, SUBSCRIBER)
-    return description({(kind, key) for bus in buses for kind in kinds for key in bus.declared(kind)}, buses)
 
-
-def description(
-    declared: AbstractSet[tuple[str, str]], sessions: Iterable[Bus], side: str = ""
-) -> ProgramInfo:
-    """Return the description of a program with these declarations (kind, key); `side` is that of a node."""
-
-    def keys_of(kind: str) -> list[str]:
-        return sorted(key for one, key in declared if one == kind)
+    def keys_of(kind: str) -> set[str]:
+        return {key for bus in buses for key in bus.declared(kind)}
 
     return ProgramInfo(
         program=program_name(sys.argv),
         side=side,
-        serves=[key for key in keys_of(QUERYABLE) if not _is_description(key)],
-        publishes=keys_of(PUBLISHER),
-        subscribes=keys_of(SUBSCRIBER),
-        asks=sorted({key for bus in sessions for key in bus.asked()}),
+        serves=sorted(key for key in keys_of(QUERYABLE) if not _is_description(key)),
+        publishes=sorted({*keys_of(PUBLISHER), *published}),
+        subscribes=sorted(keys_of(SUBSCRIBER)),
+        asks=sorted({key for bus in buses for key in bus.asked()}),
     )
 
 

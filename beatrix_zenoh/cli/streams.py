@@ -274,16 +274,7 @@ def hz(
         ]
         print_json({"result": True, "robots": rows})
     else:
-        show_rates(
-            {str(robot): found for robot, found in rates.items()},
-            plural(stream.value),
-        )
-
-
-def plural(stream: str) -> str:
-    """Return what a stream consists of, in the plural."""
-    words = {POSITIONS: "positions", "microphones": "blocks"}
-    return words.get(stream, "pictures" if stream.startswith(CAMERA) else "messages")
+        show_rates({str(robot): found for robot, found in rates.items()})
 
 
 def rate(arrivals: Sequence[Arrival[Numbered]], offset_s: float) -> Rate:
@@ -310,24 +301,15 @@ def rate(arrivals: Sequence[Arrival[Numbered]], offset_s: float) -> Rate:
     )
 
 
-def show_rates(rates: Mapping[str, Rate], what: str) -> None:
+def show_rates(rates: Mapping[str, Rate]) -> None:
     """Print a table and the meaning of its columns."""
-    heads = ("robot", f"{what}/s", "sd of period ms", "longest period ms", "age ms", "lost")
     rows = [
-        (
-            robot,
-            f"{r.hz:.2f}",
-            f"{r.period_sd_ms:.2f}",
-            f"{r.longest_ms:.1f}",
-            f"{r.age_ms:.2f}",
-            "?" if r.lost is None else str(r.lost),
-        )
-        for robot, r in rates.items()
+        (robot, *("?" if value is None else str(value) for value in found)) for robot, found in rates.items()
     ]
-    say(columns(heads, rows))
+    say(columns(("robot", *Rate._fields), rows))
     say("age: median time from the robot's time stamp to the arrival; lost: gaps in the sequence numbers")
-    for robot in (robot for robot, r in rates.items() if r.lost is None):
+    if any(found.lost is None for found in rates.values()):
         say(
-            f"{robot}: the sequence numbers of its {what} decrease, so losses are unknown. The robot was restarted, or "
-            "a second program publishes on its key: end that program."
+            "lost ?: the sequence numbers decrease, so losses are unknown. The robot was restarted, or a second program "
+            "publishes on its key: end that program."
         )

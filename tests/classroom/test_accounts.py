@@ -44,7 +44,7 @@ def test_a_program_without_account_is_refused(router: ClassRouter) -> None:
 def test_each_kind_of_wrong_certificate_has_its_own_error_message(router: ClassRouter) -> None:
     account, foreign = router.account("ana"), Authority.make("8b").certificate
     cases = {
-        "the certificate may be replaced by a newer one": router.former("ana"),
+        "the certificate may have been replaced by a newer one": router.former("ana"),
         "It may be the router of another class": certified(account, foreign),
     }
     for sentence, wrong in cases.items():

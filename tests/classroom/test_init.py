@@ -75,14 +75,14 @@ def test_a_second_init_keeps_secrets_and_adds_new_seats(file: Path) -> None:
     file.write_text(file.read_text().replace('["ana", "ben"]', '["ana", "zoe"]'))
     assert "has changed" in beatrix("router", "--class", str(file)).stderr
     done = beatrix("classroom", "init", str(file))
-    assert "new accounts       zoe\n" in done.stdout
+    assert "new or changed     teacher, zoe\n" in done.stdout
     assert "ben.toml: the class has no such seat" in done.stderr
     after = files(folder)
     # The account of the teacher lists the seats.
     assert {name for name in after if after[name] != before.get(name)} == {"teacher.toml", "zoe.toml"}
     router = (folder / "router.toml").read_text()
     assert "ben" not in router
-    assert "new accounts       none\n" in beatrix("classroom", "init", str(file)).stdout
+    assert "new or changed     none\n" in beatrix("classroom", "init", str(file)).stdout
     assert (folder / "router.toml").read_text() == router, "a router that runs need not restart"
 
 
@@ -147,4 +147,4 @@ def test_pupils_may_have_names_in_any_alphabet_which_only_cards_and_the_teacher_
     others = {name: text for name, text in files(folder).items() if name != "teacher.toml"}
     assert not any("Müller" in text for text in (*others.values(), (folder / "router.toml").read_text()))
     path.write_text(path.read_text(encoding="utf-8").replace("Müller", "Maier"), encoding="utf-8")
-    assert "names of pupils or robots have changed" in beatrix("classroom", "init", str(path)).stderr
+    assert "new or changed     teacher\n" in beatrix("classroom", "init", str(path)).stdout
