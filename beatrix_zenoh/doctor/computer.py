@@ -12,7 +12,6 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from importlib import metadata
-from importlib.machinery import PathFinder
 from pathlib import Path
 
 from beatrix_zenoh import hiding
@@ -97,7 +96,6 @@ def hidden_modules() -> Iterator[CheckResult]:
         for package, owners in metadata.packages_distributions().items()
         if needed.intersection(map(distribution, owners))
     }
-    broken = {name: why for name in sorted(packages) if (why := broken_copy(name, first))}
     first = ["", *first]
     found = hiding.hidden({*hiding.loaded(), *packages, *hiding.OURS}, first, later)
     for name, file in sorted(found.items()):
@@ -105,21 +103,8 @@ def hidden_modules() -> Iterator[CheckResult]:
     unfit = misfits(first)
     for name, texts in unfit.items():
         yield CheckResult(f"package {name}", *texts)
-    for name in broken.keys() - found.keys() - unfit.keys():
-        yield CheckResult(f"package {name}", "cannot be imported", broken[name])
-    if not found and not unfit and not broken:
+    if not found and not unfit:
         yield CheckResult("hidden modules", "none")
-
-
-def broken_copy(name: str, first: list[str]) -> str:
-    """Return why the package of this name in one of the folders cannot be imported; empty: it can, or none has it."""
-    if PathFinder.find_spec(name, first) is None:
-        return ""
-    try:
-        importlib.import_module(name)
-    except Exception as error:  # noqa: BLE001 - a package for another Python may raise anything
-        return hiding.cause(error)
-    return ""
 
 
 @contextlib.contextmanager
