@@ -20,7 +20,7 @@ from typing import Final, Protocol
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import files, threads
-from beatrix_zenoh.bus import Bus, ProcessSessions, Sessions
+from beatrix_zenoh.bus import Bus, Sessions
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, WrongUsage
@@ -86,7 +86,7 @@ def serve(
 
         def open_node(name: str, robots: Robots | None = None, warning: str = "") -> Node:
             clock = robots.clock if robots else None
-            own = Sessions(sessions.connect, sessions) if robots else Sessions(sessions)
+            own = Sessions(sessions.connect, sessions) if robots else sessions
             node = _open(own, build(name), name, robot, legacy, clock, warning)
             _begin(node, legacy, ready=ready)
             return node
@@ -207,7 +207,7 @@ def _open(
         return node
 
 
-def _connect(settings: Settings, names: Sequence[str], shutdown: Shutdown) -> ProcessSessions | None:
+def _connect(settings: Settings, names: Sequence[str], shutdown: Shutdown) -> Sessions | None:
     """Connect, waiting for the router if necessary; return None if a signal arrives first."""
     if settings.account is not None:
         for name in names:
@@ -216,9 +216,7 @@ def _connect(settings: Settings, names: Sequence[str], shutdown: Shutdown) -> Pr
     reported = False
     while True:
         try:
-            return ProcessSessions(
-                lambda: zbus.connect(settings.connect, label=label, account=settings.account)
-            )
+            return Sessions(lambda: zbus.connect(settings.connect, label=label, account=settings.account))
         except NoAnswer as error:
             if not reported:
                 print(f"{error.message} The node waits; Ctrl-C ends it.", file=sys.stderr, flush=True)
