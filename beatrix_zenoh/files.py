@@ -130,30 +130,6 @@ def new_file(path: Path) -> Iterator[Path]:
 
 
 @contextlib.contextmanager
-def locked(path: Path, busy: str) -> Iterator[None]:
-    """Lock a file, which is made (mode 0600) if it is missing and stays; the lock ends with the block or with the process.
-
-    Raises:
-        OSError: the file cannot be made.
-        Refused: BUSY, another process has locked it; the message begins with `busy`.
-    """
-    with path.open("a", encoding="utf-8") as file:
-        path.chmod(0o600)
-        try:
-            if sys.platform == "win32":
-                import msvcrt  # noqa: PLC0415  # only Windows has it
-
-                msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
-            else:
-                import fcntl  # noqa: PLC0415  # Windows does not have it
-
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            raise Refused(Reason.BUSY, f"{busy}. Try again when it has ended.") from error
-        yield
-
-
-@contextlib.contextmanager
 def private_file(text: str) -> Iterator[Path]:
     """Yield the path of a temporary file of mode 0600, for libraries that read secrets from files only."""
     descriptor, name = tempfile.mkstemp(prefix="beatrix-")

@@ -45,26 +45,25 @@ def init(classroom: Classroom, folder: Path) -> Made:
     """Write all files of the class to `folder`; existing accounts keep their credentials.
 
     Raises:
-        Refused: BAD_VALUE, a file cannot be written; BUSY, another process writes the class.
+        Refused: BAD_VALUE, a file cannot be written.
         WrongUsage: BAD_VALUE, an existing file cannot be read.
     """
     try:
         for name in ("", "seats", "robots"):
             (folder / name).mkdir(mode=0o700, parents=True, exist_ok=True)
-        with files.locked(folder / ".lock", f"Another `beatrix classroom init` is writing to {folder}"):
-            signer = _Signer(folder, classroom)
-            accounts, changed = [], []
-            for name, role in classroom.accounts.items():
-                path = folder / folder_of(role) / f"{name}.toml"
-                old = account.load(path) if path.is_file() else None
-                accounts.append(signer.account(classroom, name, role, old))
-                if accounts[-1] != old:
-                    changed.append(name)
-                    files.write_private(path, accounts[-1].text())
-            router = signer.router(classroom, folder / "router.toml", accounts)
-            files.write_private(folder / "router.toml", router.text())
-            files.write_private(folder / "cards.html", cards(classroom, accounts))
-            files.write_private(folder / "connections.nft", connections(classroom))
+        signer = _Signer(folder, classroom)
+        accounts, changed = [], []
+        for name, role in classroom.accounts.items():
+            path = folder / folder_of(role) / f"{name}.toml"
+            old = account.load(path) if path.is_file() else None
+            accounts.append(signer.account(classroom, name, role, old))
+            if accounts[-1] != old:
+                changed.append(name)
+                files.write_private(path, accounts[-1].text())
+        router = signer.router(classroom, folder / "router.toml", accounts)
+        files.write_private(folder / "router.toml", router.text())
+        files.write_private(folder / "cards.html", cards(classroom, accounts))
+        files.write_private(folder / "connections.nft", connections(classroom))
     except OSError as error:
         raise Refused(Reason.BAD_VALUE, f"Cannot write the files of the class: {error}.") from error
     present = [path for role in ("seats", "robots") for path in sorted((folder / role).glob("*.toml"))]

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
-import ctypes.util
 import importlib.util
 import os
 import platform
 import re
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
 
@@ -38,12 +36,13 @@ PROBE_S = 45.0
 
 
 def this_computer() -> Iterator[CheckResult]:
-    """Yield the findings of all checks that need no network, except `graphics_probe`."""
+    """Yield the findings of all checks that need no network."""
     yield CheckResult("Python", f"{platform.python_version()} on {platform.system()} {platform.machine()}")
     yield from packages()
     yield from hidden_modules()
     yield from serial_ports()
     yield from cameras()
+    yield graphics()
 
 
 def packages() -> Iterator[CheckResult]:
@@ -67,16 +66,16 @@ def packages() -> Iterator[CheckResult]:
     for extra, lines in needs.items():
         found = {name: version(name) for name in lines}
         missing = [name for name, number in found.items() if number is None]
-        title = f"extra {extra}" if extra else "core"
-        present = ", ".join(f"{name} {number}" for name, number in found.items() if number)
         wrong = [
             bounds(lines[name]) for name, number in found.items() if number and not suits(number, lines[name])
         ]
+        title = f"extra {extra}" if extra else "core"
+        present = ", ".join(f"{name} {number}" for name, number in found.items() if number)
         install = f'pip install "{f".[{extra}]" if extra else "."}" in the folder of BEATRIX'
-        if missing:
-            yield CheckResult(title, f"without {', '.join(missing)}", advice=f"if you need it: {install}")
-        elif wrong:
+        if wrong:
             yield CheckResult(title, present, f"it needs {', '.join(wrong)}: {install}")
+        elif missing:
+            yield CheckResult(title, f"without {', '.join(missing)}", advice=f"if you need it: {install}")
         else:
             yield CheckResult(title, present)
 
@@ -107,49 +106,33 @@ def hidden_modules() -> Iterator[CheckResult]:
         yield CheckResult("hidden modules", "none")
 
 
-@contextlib.contextmanager
-def graphics_probe() -> Iterator[Callable[[], CheckResult]]:
-    """Start a subprocess that draws with OpenGL, if MuJoCo is installed; yield a function that returns the finding.
+def graphics() -> CheckResult:
+    """Return a finding about OpenGL, which draws the pictures of simulated eyes.
 
-    A broken driver would hang or crash this process, hence a subprocess. The other checks run during the half second
-    that the import of MuJoCo takes.
+    A broken driver would hang or crash this process, so a subprocess draws.
     """
     if importlib.util.find_spec("mujoco") is None:
-        yield lambda: CheckResult(
+        return CheckResult(
             "graphics", "not checked: only simulations draw, and the extra sim is not installed"
         )
-        return
     command = [sys.executable, "-P", "-c", PROBE]
-    with subprocess.Popen(
-        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as child:
-        try:
-            yield lambda: graphics(child)
-        finally:
-            child.kill()
-
-
-def graphics(child: subprocess.Popen[str]) -> CheckResult:
-    """Return a finding about OpenGL, which draws the pictures of simulated eyes, from the output of PROBE."""
     try:
-        name, why = (text.strip() for text in child.communicate(timeout=PROBE_S))
+        done = subprocess.run(command, capture_output=True, text=True, timeout=PROBE_S, check=False)
     except subprocess.TimeoutExpired:
-        name, why = "", ""
-    if child.returncode not in (0, None):
+        done = subprocess.CompletedProcess(command, 0, "", "")
+    if done.returncode:
         return CheckResult(
             "graphics",
             "not checked: the package sim_node does not start",
-            advice=why.rpartition("\n")[2] or 'pip install ".[sim]" in the folder of BEATRIX',
+            advice=done.stderr.strip().rpartition("\n")[2] or 'pip install ".[sim]" in the folder of BEATRIX',
         )
-    if name:
+    if name := done.stdout.strip():
         return CheckResult("graphics", f"OpenGL works ({name})")
-    missing = sys.platform == "linux" and not any(map(ctypes.util.find_library, ("EGL", "OSMesa")))
     return CheckResult(
         "graphics",
         "OpenGL does not work: simulations draw the pictures of the eyes by ray casting, at a lower resolution",
-        advice="for full resolution: apt install libegl1 libgl1-mesa-dri"
-        if missing
-        else "for full resolution: update the graphics driver, and unset MUJOCO_GL if it is set",
+        advice="for full resolution: on Linux apt install libegl1 libgl1-mesa-dri, or update the graphics driver; unset "
+        "MUJOCO_GL if it is set",
     )
 
 

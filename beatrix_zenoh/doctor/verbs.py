@@ -6,7 +6,7 @@ The questions of --jog go to stderr, so that stdout contains only the result.
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Annotated, NamedTuple, TypeVar
 
 import typer
@@ -15,9 +15,9 @@ from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ALLOWED, ROBOT
-from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
+from beatrix_zenoh.contract.errors import Refused, WrongUsage
 from beatrix_zenoh.doctor.checks import CheckResult, network
-from beatrix_zenoh.doctor.computer import graphics_probe, this_computer
+from beatrix_zenoh.doctor.computer import this_computer
 from beatrix_zenoh.output import FAILED, note, print_json, say
 from beatrix_zenoh.settings import resolve
 from beatrix_zenoh.terminal.options import Connect, Json, Name, Which, Who
@@ -41,11 +41,7 @@ def doctor(
         jog(Selection(name, connect, who), as_json=as_json)
         return
     settings = resolve(None, connect, who)
-    with graphics_probe() as graphics:  # it runs in a process of its own during the checks
-        sections = [
-            (settings.connect, made("router and robots", network(settings, name))),
-            ("this computer", [*made("this computer", this_computer()), graphics()]),
-        ]
+    sections = [(settings.connect, [*network(settings, name)]), ("this computer", [*this_computer()])]
     findings = [finding for _, section in sections for finding in section]
     wrong = [finding for finding in findings if finding.todo]
     if as_json:
@@ -55,19 +51,6 @@ def doctor(
         say("\nNo problems found." if not wrong else f"\n{len(wrong)} to do: see the lines that begin with !")
     if wrong:
         raise typer.Exit(FAILED)
-
-
-def made(what: str, checks: Iterator[CheckResult]) -> list[CheckResult]:
-    """Return the findings of checks; an unexpected error becomes the last finding, so that the others are shown."""
-    findings: list[CheckResult] = []
-    try:
-        findings.extend(checks)  # keeps the findings before an error
-    except BeatrixError:
-        raise
-    except Exception as error:  # noqa: BLE001  # a broken installation may raise anything
-        text = f"the check ended with {type(error).__name__}: {error}"
-        findings.append(CheckResult(what, text, "install BEATRIX again; if this remains, report it as a bug"))
-    return findings
 
 
 def show(sections: list[tuple[str, list[CheckResult]]]) -> None:
