@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import datetime as dt
-import re
 import tomllib
 from pathlib import Path
 from typing import Literal
@@ -19,8 +18,6 @@ LONGEST = 32 * 1024
 """Largest size of an account file (bytes); one has 2 kB, and the teacher's also the names of 99 pupils."""
 RENEW_DAYS = 60
 """`beatrix classroom init` replaces certificates that expire within this time."""
-PATH = re.compile(r"\$\.(\w+)")
-"""The field in the path of a validation error of msgspec."""
 Role = Literal["student", "teacher", "robot"]
 
 
@@ -177,29 +174,11 @@ def parse(text: str, called: str) -> Account:
     try:
         account = msgspec.convert(table, Account)
     except msgspec.ValidationError as error:
-        raise _wrong(called, _cause(table, str(error))) from error
+        raise _wrong(called, str(error)) from error
     names.check_name(account.name, "account")
     if not all(endpoint.strip().startswith("tls/") for endpoint in account.connect.split(",")):
         raise _wrong(called, "its router must have endpoints that begin with tls/")
     return account
-
-
-def _cause(table: dict[str, object], error: str) -> str:
-    """Return why a table is not an account; `error`: msgspec's message, which names the path of the wrong field."""
-    if table.get("role") == "router":
-        return "it is the account of the class's router, which stays on the router's computer"
-    if "password" in table:
-        return "it has a password, as in earlier versions: the teacher deletes it and runs `beatrix classroom init` again"
-    if "addresses" in table:
-        return "it is the class file, from which the teacher makes the accounts"
-    if unknown := files.unknown_fields(table, Account):
-        return f"no account has a field {quoted(unknown[0])}"
-    fields = msgspec.structs.fields(Account)
-    missing = [field.encode_name for field in fields if field.required and field.encode_name not in table]
-    if missing:
-        return f"it lacks {' and '.join(missing)}"
-    wrong = PATH.search(error)
-    return f"the value of {wrong[1]} is not allowed" if wrong else "one of its values is not allowed"
 
 
 def _wrong(called: str, text: str) -> WrongUsage:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import ipaddress
-import re
-import tomllib
 from collections import Counter
 from pathlib import Path
+from typing import Annotated
 
 import msgspec
+from msgspec import Meta
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import files
@@ -16,39 +15,41 @@ from beatrix_zenoh.account import Role
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import WrongUsage, quoted
+from beatrix_zenoh.contract.errors import WrongUsage
 
 LONGEST = 64 * 1024
 """Largest size of a class file (bytes)."""
 SEATS_MAX = 99
 DISPLAY_MAX = 48
 """Largest number of characters of a pupil's name."""
-GONE = {
-    "auth": "every class uses certificates and encryption. Delete the line and the folder of the class, run `beatrix "
-    "classroom init`, and hand out all files again",
-    "standby": "a class has one router. Delete the line, and run `beatrix classroom init`",
-}
-"""What to do about fields of earlier versions."""
-EXAMPLE = 'name = "8b", addresses = ["192.168.1.20"], seats = 30, robots = ["bea1"]'
-
-NAMED = 'The name of a seat, left of =, may contain only a-z, 0-9 and -: for example zoe = "Zoë Müller".'
-"""What to do about invalid TOML, in which a pupil's name is often the key."""
+FORM = (
+    'Write, for example, name = "8b", addresses = ["192.168.1.20"], seats = 30, robots = ["bea1"], and below them, if they '
+    'are needed, the sections [router] with port and pictures_hz, and [seats] with names of pupils: zoe = "Zoë Müller"'
+)
 WORDS = {chunk for row in keys.KEYS.values() for chunk in row.key.split("/")[1:] if chunk.isalpha()}
 """Words of the keys, such as `stop` and `pose`; as a name they would make the rule for STOP include other keys."""
 
 
+ADDRESS = r"^[A-Za-z0-9.-]+$"
+"""Form of an IPv4 address or a name. Zenoh 1.10 compares an IPv6 address with its brackets, but certificates have none."""
+
+
 class _Router(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
-    port: int = 7447
-    pictures_hz: float = 5.0
+    port: Annotated[int, Meta(ge=0, le=65534)] = 7447
+    pictures_hz: Annotated[float, Meta(ge=0.1, le=60)] = 5.0
 
 
 class Classroom(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """A class; its names are valid in keys and unique."""
 
     name: str
-    addresses: tuple[str, ...]
+    addresses: Annotated[tuple[Annotated[str, Meta(pattern=ADDRESS)], ...], Meta(min_length=1)]
     """addresses at which seats and robots reach the router"""
-    given: int | tuple[str, ...] | dict[str, str] = msgspec.field(name="seats")
+    given: (
+        Annotated[int, Meta(ge=1, le=SEATS_MAX)]
+        | Annotated[tuple[str, ...], Meta(min_length=1, max_length=SEATS_MAX)]
+        | Annotated[dict[str, str], Meta(min_length=1, max_length=SEATS_MAX)]
+    ) = msgspec.field(name="seats")
     """the number of the seats, their names, or the names of the pupils by seat"""
     robots: tuple[str, ...] = ()
     teacher: str = ""
@@ -99,24 +100,6 @@ class Classroom(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return found
 
 
-def _converted(path: Path, table: dict[str, object]) -> Classroom:
-    """Check the fields of a table and convert it; raises WrongUsage."""
-    router = table.get("router")
-    for gone, text in GONE.items():
-        if gone in table or (isinstance(router, dict) and gone in router):
-            raise wrong(path, f"{gone} is not a field any more: {text}")
-    for given, kind, section in ((table, Classroom, ""), (router, _Router, " of [router]")):
-        if isinstance(given, dict) and (unknown := files.unknown_fields(given, kind)):
-            known = ", ".join(kind.__struct_encode_fields__)
-            hint = ". Write it below a line [router]" if unknown[0] in _Router.__struct_fields__ else ""
-            raise wrong(path, f"{quoted(unknown[0])} is not a field{section}. Fields: {known}{hint}")
-    try:
-        return msgspec.convert(table, Classroom)
-    except msgspec.ValidationError as error:
-        hint = ". Other fields stand above the line [seats]" if isinstance(table.get("seats"), dict) else ""
-        raise wrong(path, f"a field is wrong: {error}{hint}. Write, for example, {EXAMPLE}") from error
-
-
 def read(path: Path) -> Classroom:
     """Read a class file and check it.
 
@@ -124,23 +107,9 @@ def read(path: Path) -> Classroom:
         WrongUsage: BAD_VALUE, with the field and its allowed values.
     """
     try:
-        made = _converted(path, files.toml(path, LONGEST))
-    except WrongUsage as error:
-        if not isinstance(error.__cause__, tomllib.TOMLDecodeError):
-            raise
-        raise WrongUsage(error.reason, f"{error.message} {NAMED}") from error
-    except OSError as error:
-        raise wrong(path, f"cannot be read: {error}. Write, for example, {EXAMPLE}") from error
-    count = made.given if isinstance(made.given, int) else len(made.given)
-    if not 1 <= count <= SEATS_MAX:
-        raise wrong(path, f"seats is {count}: 1 to {SEATS_MAX} are allowed")
-    if not made.addresses:
-        raise wrong(path, 'addresses is empty: give the address of the router, for example ["192.168.1.20"]')
-    if wrong_address := next(filter(_impossible, made.addresses), None):
-        # Zenoh 1.10 compares an IPv6 address with its brackets, but certificates contain it without them.
-        raise wrong(path, f"{wrong_address} is not possible: give an IPv4 address or the name of a computer")
-    if not 0.1 <= made.router.pictures_hz <= 60:
-        raise wrong(path, f"pictures_hz is {made.router.pictures_hz}: 0.1 to 60 are allowed")
+        made = msgspec.convert(files.toml(path, LONGEST), Classroom)
+    except (OSError, msgspec.ValidationError) as error:
+        raise wrong(path, f"cannot be read: {error}. {FORM}") from error
     _check_names(path, made)
     for endpoint in zbus.endpoints(made.listen_seats):
         zbus.parse_endpoint(endpoint)
@@ -148,57 +117,26 @@ def read(path: Path) -> Classroom:
 
 
 def _check_names(path: Path, file: Classroom) -> None:
-    names.check_name(file.name, "class")
-    for seat in file.seats:
-        _check_seat(path, seat)
-    if long := [
-        seat
-        for seat, name in file.display_names.items()
-        if not (name.isprintable() and len(name) <= DISPLAY_MAX)
-    ]:
-        raise wrong(path, f"the name of {long[0]} must be of at most {DISPLAY_MAX} characters, on one line")
-    for robot in file.robots:
-        names.check_name(robot)
-    if names.TEACHER in (*file.seats, *file.robots):
-        raise wrong(
-            path,
-            f"{names.TEACHER} is the account of the teacher, which every class has: leave it out of seats and robots",
-        )
-    if word := next((name for name in (*file.seats, *file.robots) if name in WORDS), None):
-        raise wrong(
-            path, f"{word} is a word of the keys, so the router could confuse the two: choose another name"
-        )
-    used = Counter([*file.seats, *file.robots])
-    if twice := [name for name, times in used.items() if times > 1]:
-        raise wrong(
-            path,
-            f"{', '.join(twice)} is used twice: give each seat and robot a name of its own",
-        )
-
-
-def _check_seat(path: Path, seat: str) -> None:
     try:
-        names.check_seat(seat)
+        names.check_name(file.name, "class")
+        for seat in file.seats:
+            names.check_seat(seat)
+        for robot in file.robots:
+            names.check_name(robot)
     except WrongUsage as error:
-        name = names.tidy(seat, "seat01")
-        raise wrong(
-            path,
-            f"{error.message} To show a name in any alphabet on cards and to the teacher, write the seats as a table at the "
-            f'end of the file: a line [seats], and below it {name} = "{seat}"',
-        ) from error
+        raise wrong(path, f"{error.message} {FORM}") from error
+    for seat, name in file.display_names.items():
+        if not (name.isprintable() and len(name) <= DISPLAY_MAX):
+            raise wrong(path, f"the name of {seat} must be of at most {DISPLAY_MAX} characters, on one line")
+    for name, times in Counter([names.TEACHER, *WORDS, *file.seats, *file.robots]).items():
+        if times > 1:
+            raise wrong(
+                path,
+                f"{name} is used twice, or by BEATRIX itself: give each seat and robot a name of its own. The teacher has an "
+                "account in every class",
+            )
 
 
 def wrong(path: Path, text: str) -> WrongUsage:
     """Return the error for an invalid class file."""
     return WrongUsage(Reason.BAD_VALUE, f"{path}: {text}.")
-
-
-def _impossible(address: str) -> bool:
-    """Return whether a text is an IPv6 address, or has the form of an IPv4 address but is none, as 192.168.300.20."""
-    if not re.fullmatch(r"[0-9.]+|.*:.*", address):
-        return False
-    try:
-        ipaddress.IPv4Address(address)
-    except ValueError:
-        return True
-    return False

@@ -6,7 +6,6 @@ order mark; both are read. Only the owner may read private files.
 
 from __future__ import annotations
 
-import codecs
 import contextlib
 import json
 import os
@@ -17,13 +16,9 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-import msgspec
-
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused, WrongUsage
 
-LETTERS = 80
-"""Number of first bytes by which text in UTF-16 without byte order mark is recognised: every second one is 0."""
 BARE = re.compile(r"[A-Za-z0-9_-]+")
 """Keys that TOML accepts without quotes."""
 
@@ -57,23 +52,12 @@ def text(path: Path, longest: int, form: str, called: str = "") -> str:
         OSError, WrongUsage: as `content`; also WrongUsage (BAD_VALUE) if the text is not UTF-8.
     """
     held = content(path, longest, form, called)
-    wide = held[:2] in (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE) or any(
-        half and not any(half) for half in (held[:LETTERS:2], held[1:LETTERS:2])
-    )
-    try:
-        if not wide:
+    with contextlib.suppress(UnicodeDecodeError):
+        if 0 not in held:  # as in UTF-16
             return held.decode("utf-8-sig")
-        found = "in UTF-16"
-    except UnicodeDecodeError as error:
-        if any(byte < ord("\t") for byte in held):
-            raise WrongUsage(
-                Reason.BAD_VALUE, f"{called or path} is not a text file: choose a file in {form}."
-            ) from error
-        line = held.count(b"\n", 0, error.start) + 1
-        found = f"in an older encoding such as Latin-1 (byte {error.object[error.start]:#04x} in line {line})"
     raise WrongUsage(
         Reason.BAD_VALUE,
-        f"{called or path} is not text in UTF-8 but {found}: save it again as {form} with the encoding UTF-8.",
+        f"{called or path} is not text in UTF-8: save it again as {form} with the encoding UTF-8.",
     )
 
 
@@ -84,11 +68,6 @@ def toml(path: Path, longest: int, called: str = "") -> dict[str, object]:
         return tomllib.loads(held)
     except (ValueError, RecursionError) as error:
         raise WrongUsage(Reason.BAD_VALUE, f"{called or path} cannot be read as TOML: {error}.") from error
-
-
-def unknown_fields(table: Mapping[str, object], kind: type[msgspec.Struct]) -> list[str]:
-    """Return the names in a TOML table that are not fields of `kind`, sorted."""
-    return sorted(set(table) - {field.encode_name for field in msgspec.structs.fields(kind)})
 
 
 def user_folder(platform: str = sys.platform, environment: Mapping[str, str] = os.environ) -> Path:
@@ -148,30 +127,6 @@ def new_file(path: Path) -> Iterator[Path]:
         raise Refused(
             Reason.BAD_VALUE, f"{path} cannot be written: {error.strerror or error}. Name another file."
         ) from error
-
-
-@contextlib.contextmanager
-def locked(path: Path, busy: str) -> Iterator[None]:
-    """Lock a file, which is made (mode 0600) if it is missing and stays; the lock ends with the block or with the process.
-
-    Raises:
-        OSError: the file cannot be made.
-        Refused: BUSY, another process has locked it; the message begins with `busy`.
-    """
-    with path.open("a", encoding="utf-8") as file:
-        path.chmod(0o600)
-        try:
-            if sys.platform == "win32":
-                import msvcrt  # noqa: PLC0415  # only Windows has it
-
-                msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
-            else:
-                import fcntl  # noqa: PLC0415  # Windows does not have it
-
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            raise Refused(Reason.BUSY, f"{busy}. Try again when it has ended.") from error
-        yield
 
 
 @contextlib.contextmanager

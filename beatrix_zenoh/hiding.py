@@ -83,48 +83,21 @@ def texts(name: str, file: str) -> tuple[str, str]:
 def cause(error: BaseException) -> str:
     """Return the sentence about the file or package of the user that has caused this error; empty: none has."""
     first, later = search_path()
-    folders = {folder for folder in first for file, _ in _files_of(error) if _is_below(folder, file)}
-    if isinstance(error, ImportError | AttributeError):
-        folders = set(first)
-        named = set(_named(error))
-        if found := hidden(loaded() | named, first, later):
-            names = sorted(found.keys() & named or found)
-            return " ".join(": ".join(texts(name, found[name])) + "." for name in names)
-    if why := unfit([folder for folder in first if folder in folders], core=False):
+    named = set(_named(error, first))
+    imports = isinstance(error, ImportError | AttributeError)
+    found = hidden(loaded() | named, first, later) if imports else {}
+    if found:
+        return " ".join(
+            ": ".join(texts(name, found[name])) + "." for name in sorted(found.keys() & named or found)
+        )
+    if why := unfit(first, core=False) if named or imports else "":
         return why
-    return next((": ".join(broken) + "." for broken in _broken(error, first, later)), "")
-
-
-def _broken(error: BaseException, first: Sequence[str], later: Sequence[str]) -> Iterator[tuple[str, str]]:
-    """Yield the texts about a package in the folders `first` that could not be imported, and that is in `later`, too."""
-    for file, importing in _files_of(error):
-        for folder in first if importing else ():
-            if not _is_below(folder, file):
-                continue
-            name = file[len(os.path.join(folder, "")) :].split(os.sep)[0].partition(".")[0]
-            mine = next(_files(name, [folder]), "") if name not in OURS else ""
-            if mine and any(other != mine for other in _files(name, later)):
-                what, do = texts(name, mine)
-                version = ".".join(map(str, sys.version_info[:2]))
-                yield (
-                    f"{what}, and cannot be imported by Python {version}",
-                    f"take it out of PYTHONPATH, or {do}",
-                )
-
-
-def _files_of(error: BaseException) -> Iterator[tuple[str, bool]]:
-    """Yield the files in which an error was raised, each with whether it was being imported then."""
-    for name in ("filename",) * isinstance(error, SyntaxError) + ("path",) * isinstance(error, ImportError):
-        yield getattr(error, name) or "", True
-    trace = error.__traceback__
-    while trace is not None:
-        code = trace.tb_frame.f_code
-        yield code.co_filename, code.co_name == "<module>"
-        trace = trace.tb_next
-
-
-def _is_below(folder: str, file: str) -> bool:
-    return bool(folder) and file.startswith(os.path.join(folder, ""))
+    for name in sorted(named - {*OURS}):
+        mine = next(_files(name, first), "")
+        if mine and any(other != mine for other in _files(name, later)):
+            what, do = texts(name, mine)
+            return f"{what}, and cannot be imported by this Python: take it out of PYTHONPATH, or {do}."
+    return ""
 
 
 def unfit(folders: Iterable[str], *, core: bool = True) -> str:
@@ -147,11 +120,20 @@ def _listed(folder: str) -> list[str]:
         return []
 
 
-def _named(error: BaseException) -> Iterator[str]:
-    """Yield the names of the modules of which an error tells."""
+def _named(error: BaseException, first: Sequence[str]) -> Iterator[str]:
+    """Yield the names of the modules that an error tells of, or that were imported from these folders when it was raised."""
     of = error.obj if isinstance(error, AttributeError) else None
     for name in (getattr(of, "__name__", None), getattr(error, "name", None)):
         if isinstance(name, str):
             yield name.partition(".")[0]
-    for file, _ in _files_of(error):
-        yield os.path.basename(file).partition(".")[0]
+    files = [getattr(error, "filename", None), getattr(error, "path", None)]
+    trace = error.__traceback__
+    while trace is not None:
+        if trace.tb_frame.f_code.co_name == "<module>":
+            files.append(trace.tb_frame.f_code.co_filename)
+        trace = trace.tb_next
+    for file in files:
+        for folder in first:
+            start = os.path.join(folder, "")
+            if folder and isinstance(file, str) and file.startswith(start):
+                yield file[len(start) :].split(os.sep)[0].partition(".")[0]

@@ -7,7 +7,6 @@ import logging
 import os
 import queue
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from logging.handlers import QueueHandler
@@ -22,63 +21,25 @@ LOGGERS = ("beatrix_zenoh", "sim_node", "hw_node")
 CAPACITY = 10_000
 """Largest number of waiting records; further ones are dropped, because stderr may be a pipe that no program reads."""
 CLOSE_S = 1.0
-GATHER_S = 0.5
-"""Time (s) for which a process with several robots gathers warnings: equal ones are one line with all names on stderr."""
 STDERR = 2
-Entry = tuple[str, logging.LogRecord]
-"""The name of the robot whose thread has logged, and the record; empty: no robot in particular, or the only one."""
 
 
 class Writer:
     """Writes records on a thread of its own, so that a blocked stderr does not delay the robot."""
 
     def __init__(self, file: logging.Handler | None, *, named: bool) -> None:
-        self._records: queue.Queue[Entry | None] = queue.Queue(CAPACITY)
-        self._file, self._named = file, named
-        self._gathered: dict[str, list[str]] = {}
-        """Names of robots by the text of their warnings, which are not printed yet."""
-        self._due_s = 0.0
+        self._records: queue.Queue[logging.LogRecord | None] = queue.Queue(CAPACITY)
+        self._file = file
         self.handler = Enqueue(self._records, named=named)
         self._thread = threads.start(self._run, "log")
 
     def _run(self) -> None:
-        while (entry := self._next()) is not None:
-            name, record = entry
+        while (record := self._records.get()) is not None:
             line = printable.line(record.getMessage())
             if self._file is not None:
-                if name:
-                    record.msg = f"{name}: {record.msg}"
                 self._file.handle(record)
-            if record.levelno < logging.WARNING:
-                continue
-            if self._named:
-                self._gather(name, line)
-            else:
+            if record.levelno >= logging.WARNING:
                 print_raw(line)
-        self._print()
-
-    def _next(self) -> Entry | None:
-        """Return the next entry, None at the end; print the gathered warnings when they are due."""
-        while self._gathered:
-            left_s = self._due_s - time.monotonic()
-            with contextlib.suppress(queue.Empty):
-                if left_s > 0:
-                    return self._records.get(timeout=left_s)
-            self._print()
-        return self._records.get()
-
-    def _gather(self, name: str, text: str) -> None:
-        """Keep a warning for a moment: if the router is lost, all robots of the process report it in the same words."""
-        if not self._gathered:
-            self._due_s = time.monotonic() + GATHER_S
-        names = self._gathered.setdefault(text, [])
-        if name and name not in names:
-            names.append(name)
-
-    def _print(self) -> None:
-        for text, names in self._gathered.items():
-            print_raw(f"{', '.join(sorted(names))}: {text}" if names else text)
-        self._gathered.clear()
 
     def close(self) -> None:
         """Write the waiting records, for CLOSE_S at most; if the queue is full, return at once."""
@@ -95,15 +56,17 @@ class Writer:
 class Enqueue(QueueHandler):
     """A handler that drops records when the queue is full."""
 
-    def __init__(self, records: queue.Queue[Entry | None], *, named: bool) -> None:
+    def __init__(self, records: queue.Queue[logging.LogRecord | None], *, named: bool) -> None:
         """Put records into a queue; `named`: with the name of their robot."""
         super().__init__(records)
         self._named = named
 
     def enqueue(self, record: logging.LogRecord) -> None:
         """Put the copy of a record, on the thread that logs, into the queue; raises queue.Full."""
-        owner = threads.OWNER.get() if self._named else None
-        self.queue.put_nowait(("" if owner is None else owner.name, record))
+        owner = threads.OWNER.get()
+        if self._named and owner is not None:
+            record.msg = f"{owner.name}: {record.msg}"
+        self.queue.put_nowait(record)
 
     def handleError(self, record: logging.LogRecord) -> None:  # noqa: N802 - the name is logging's
         """Ignore that the queue is full."""

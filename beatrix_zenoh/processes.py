@@ -53,25 +53,6 @@ class Role(Enum):
     WINDOW = "the other children continue"
 
 
-class Ending(Enum):
-    """Why a child has ended."""
-
-    ON_REQUEST = "has ended"
-    REFUSED = "was refused"
-    CRASHED = "has crashed"
-    CRASHED_AGAIN = "has crashed again"
-
-
-def classify(code: int, at_s: float, last_crash_s: float | None) -> Ending:
-    """Return why a child has ended with this exit code, at `at_s`, after a crash at `last_crash_s` (None: no crash)."""
-    if code in (0, INTERRUPTED):
-        return Ending.ON_REQUEST
-    if code in REFUSALS:
-        return Ending.REFUSED
-    again = last_crash_s is not None and at_s - last_crash_s < CRASHES_S
-    return Ending.CRASHED_AGAIN if again else Ending.CRASHED
-
-
 def in_words(code: int) -> str:
     """Return an exit code as text: the name of the signal that ended the process, or the number."""
     try:
@@ -244,19 +225,14 @@ class Supervisor:
     def _replace(self, child: Child, code: int) -> str:
         """Start a crashed robot again, or remove the child; return a report for the user."""
         now_s = time.monotonic()
-        ending = classify(code, now_s, self._crashed_s.get(child.title))
-        if ending is Ending.CRASHED:
-            self._crashed_s[child.title] = now_s
-        cause = f"The {child.title} {ending.value} ({in_words(code)})"
+        crashed = code not in (0, INTERRUPTED, *REFUSALS) and child.role is Role.ROBOT
+        cause = f"The {child.title} has ended ({in_words(code)})"
         output = f" {self.output_of(child)}"
         self.finish(child)
-        if ending is Ending.CRASHED and child.role is Role.ROBOT:
-            try:
-                self.start(child.title, *child.arguments, role=child.role)
-            except OSError as error:
-                output += f"\nIt cannot be started again: {error}."
-            else:
-                return f"{cause}. It is started again, as if it had just been switched on.{output}"
+        if crashed and now_s - self._crashed_s.get(child.title, -CRASHES_S) >= CRASHES_S:
+            self._crashed_s[child.title] = now_s
+            self.start(child.title, *child.arguments, role=child.role)
+            return f"{cause}. It is started again, as if it had just been switched on.{output}"
         others = "; the robots continue to run" if child.role is Role.WINDOW else " and stays down"
         return f"{cause}{others}.{output}\nTo start it again: {typed('beatrix', *child.arguments)}"
 

@@ -18,7 +18,6 @@ from beatrix_zenoh.bus.messages import SUBSCRIBER as SUBSCRIBER
 from beatrix_zenoh.bus.query import Query as Query
 from beatrix_zenoh.bus.query import Reply as Reply
 from beatrix_zenoh.bus.query import intersects as intersects
-from beatrix_zenoh.bus.reports import KeptReports as KeptReports
 from beatrix_zenoh.bus.router import answer_checks as answer_checks
 from beatrix_zenoh.bus.router import close_connections as close_connections
 from beatrix_zenoh.bus.router import close_router as close_router
@@ -27,7 +26,6 @@ from beatrix_zenoh.bus.router import watch_router as watch_router
 from beatrix_zenoh.bus.session import Bus as Bus
 from beatrix_zenoh.bus.session import connect as connect
 from beatrix_zenoh.bus.session import hanging_router as hanging_router
-from beatrix_zenoh.bus.sessions import ProcessSessions as ProcessSessions
 from beatrix_zenoh.bus.sessions import SessionListener as SessionListener
 from beatrix_zenoh.bus.sessions import Sessions as Sessions
 from beatrix_zenoh.bus.sessions import describe as describe

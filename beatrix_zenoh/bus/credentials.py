@@ -17,32 +17,11 @@ PROBE_S = 2.0
 BUFFERS = {"so_sndbuf": 256 * 1024, "so_rcvbuf": 32 * 1024}
 """Socket buffers (bytes). A small one for received data, as for TCP; a larger one for data to send, because Zenoh 1.10
 closes a TLS connection only after all data is written, so a buffer that is full would hide a lost computer."""
-_UNKNOWN = (
-    "it does not know this certificate, which has been replaced by a newer one, removed from the class, or is from another "
-    "class"
-)
-_WRONG_ADDRESS = (
-    "its certificate is for another address: the teacher corrects `addresses` in class.toml and runs `beatrix "
-    "classroom init`"
-)
-ALERTS = {
-    "UNKNOWN_CA": _UNKNOWN,
-    "DECRYPT_ERROR": _UNKNOWN,
-    "CERTIFICATE_EXPIRED": "this computer's certificate has expired, or a clock is wrong",
-    "CERTIFICATE_REQUIRED": "it accepts only computers with a certificate",
-}
-"""Causes by a part of OpenSSL's name for the alert that the router sends."""
-ROUTER_ERRORS = {
-    10: "its certificate has expired (the teacher runs `beatrix classroom init`), or this computer's clock is wrong",
-    62: _WRONG_ADDRESS,
-    64: _WRONG_ADDRESS,
-}
-"""Causes by OpenSSL's error code for the router's own certificate."""
-FOREIGN_ROUTER = (
-    "its certificate is not of this class: it is the router of another class, or all accounts were made again"
-)
 PUT_OUT = "the teacher has removed it from the class, or it is put out for a minute"
 """Cause if the router accepts the certificate and closes the session, perhaps before it is open."""
+REPLACED = (
+    "the certificate may have been replaced by a newer one, removed, or expired, or is of another class"
+)
 
 
 @dataclass(frozen=True, repr=False)
@@ -137,12 +116,12 @@ def _certificate_error(endpoint: str, own: Identity) -> str:
         ):
             wrapped.recv(1)  # in TLS 1.3 the router refuses a certificate only after the handshake
     except ssl.SSLCertVerificationError as error:
-        return ROUTER_ERRORS.get(error.verify_code, FOREIGN_ROUTER)
-    except ssl.SSLError as error:
-        reason = error.reason or ""
-        return next(
-            (text for name, text in ALERTS.items() if name in reason), f"the handshake fails ({reason})"
+        return (
+            f"its own certificate does not suit ({error.verify_message}). It may be the router of another class; if it is "
+            "the right one, the teacher corrects `addresses` in class.toml and runs `beatrix classroom init`"
         )
+    except ssl.SSLError as error:
+        return f"TLS reports {error.reason}; {REPLACED}"
     except OSError:
         return ""
     return ""

@@ -26,7 +26,7 @@ HEALTHY = b"served"
 QUERYABLE, PUBLISHER, SUBSCRIBER, TOKEN, WATCH = "queryable", "publisher", "subscriber", "token", "watch"
 """Kinds of declarations."""
 REST = "rest"
-"""Kind of the declaration of `Bus.serve_rest`, which is no part of the description of a program."""
+"""Kind of the declaration of a queryable for the rest, which is no part of the description of a program."""
 LATELY_S = 60.0
 """How long (s) a session remembers the key of a query or put."""
 MOST_KEYS = 256
@@ -82,14 +82,23 @@ class MessageSession(RenewableSession):
             lambda session: Query(session, key, payload, encoding, priority, timeout_s, attachment)
         )
 
-    def serve(self, key: str, handle: Callable[[Incoming], None]) -> Callable[[], None]:
+    def serve(
+        self, key: str, handle: Callable[[Incoming], None], skips: Callable[[str], bool] | None = None
+    ) -> Callable[[], None]:
         """Pass queries on `key` to `handle`, and return a function that ends this.
 
         `handle` runs on Zenoh's thread and must return at once.
+
+        With `skips`, `key` has wildcards: a query for whose key `skips` returns True is dropped, as those of the watchdog
+        are: another queryable answers it, after this one, so it must cost little. The queryable is then not complete, so
+        that a foreign complete one on these keys keeps receiving all its queries.
         """
 
         def receive(query: zenoh.Query) -> None:
-            if str(query.parameters) == HEALTH:
+            checks = str(query.parameters) == HEALTH
+            if skips is not None and (checks or skips(str(query.key_expr))):
+                return
+            if checks:
                 with contextlib.suppress(zenoh.ZError):
                     query.reply_err(HEALTHY)
                 query.drop()
@@ -97,25 +106,9 @@ class MessageSession(RenewableSession):
                 handle(Incoming(query))
 
         def declare(session: zenoh.Session) -> Declared:
-            return session.declare_queryable(key, direct(receive), complete=True)
+            return session.declare_queryable(key, direct(receive), complete=skips is None)
 
-        return self.add(QUERYABLE, key, declare)
-
-    def serve_rest(
-        self, key: str, handle: Callable[[Incoming], None], skips: Callable[[str], bool]
-    ) -> Callable[[], None]:
-        """Pass queries on `key`, a key with wildcards, to `handle` as `serve` does, except those of the watchdog.
-
-        A query for whose key `skips` returns True is dropped: another queryable answers it, after this one, so it must
-        cost little. The queryable is not complete, so that a foreign complete one on these keys keeps receiving all its
-        queries.
-        """
-
-        def receive(query: zenoh.Query) -> None:
-            if not skips(str(query.key_expr)) and str(query.parameters) != HEALTH:
-                handle(Incoming(query))
-
-        return self.add(REST, key, lambda session: session.declare_queryable(key, direct(receive)))
+        return self.add(QUERYABLE if skips is None else REST, key, declare)
 
     def publication(
         self, key: str, encoding: str, on_subscribed: Callable[[], None] | None = None

@@ -10,15 +10,14 @@ import itertools
 import sys
 import threading
 import weakref
-from collections.abc import Callable, Iterable
-from collections.abc import Set as AbstractSet
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.bus.declarations import Publication
 from beatrix_zenoh.bus.incoming import Incoming, Received
-from beatrix_zenoh.bus.messages import HEALTH, HEALTHY, PUBLISHER, QUERYABLE, REST, SUBSCRIBER, TOKEN, WATCH
+from beatrix_zenoh.bus.messages import HEALTH, HEALTHY, PUBLISHER, QUERYABLE, SUBSCRIBER
 from beatrix_zenoh.bus.session import Bus
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import ProgramInfo, Reason
@@ -30,18 +29,23 @@ MEDIA = "media"
 other: a seat may flood its robot with queries of any other class, and the router disconnects a session that is full."""
 
 
-class ProcessSessions:
-    """The sessions of a process by traffic class of keys.toml; Zenoh delivers all data of one session in order.
+class Sessions:
+    """The sessions of a node by traffic class of keys.toml; Zenoh delivers all data of one session in order.
 
-    The session of a class is opened when this process first serves, subscribes to or publishes a key of the class.
+    The session of a class is opened when the node first serves, subscribes to or publishes a key of the class. Several
+    nodes of one process share the session of MEDIA.
     """
 
-    def __init__(self, connect: Callable[[], Bus]) -> None:
-        """Open the control session; raises the errors of `connect` (NoAnswer: no router)."""
-        self.connect = connect
+    def __init__(self, connect: Callable[[], Bus], shared: Sessions | None = None) -> None:
+        """Open the control session; raises the errors of `connect` (NoAnswer: no router).
+
+        `shared` are those of a process with several nodes.
+        """
+        self.connect, self._shared = connect, shared
         self._lock, self._closing = threading.Lock(), threading.Lock()
         self._open: dict[str, Bus] = {CONTROL: connect()}
-        self.watchdog = SessionWatchdog(self.opened)
+        self._published: dict[str, Callable[[], None]] = {}
+        """The function that ends each publication in the shared session, by key."""
 
     @property
     def control(self) -> Bus:
@@ -50,15 +54,67 @@ class ProcessSessions:
 
     def session(self, traffic: str) -> Bus:
         """Return the session of a traffic class, opened if necessary; raises the errors of `connect`."""
+        if traffic == MEDIA and self._shared is not None:
+            return self._shared.session(traffic)
         with self._lock:
             if traffic not in self._open:
                 self._open[traffic] = self.connect()
             return self._open[traffic]
 
     def opened(self) -> dict[str, Bus]:
-        """Return the open sessions by traffic class, the control session first."""
+        """Return the open sessions of this node alone by traffic class, the control session first."""
         with self._lock:
             return dict(self._open)
+
+    def serve(self, key: str, handle: Callable[[Incoming], None]) -> None:
+        """Pass queries on `key`, a key of keys.toml, to `handle`, as `Bus.serve` does."""
+        self.session(_row(key).session).serve(key, handle)
+
+    def serve_rest(
+        self, traffic: str, key: str, handle: Callable[[Incoming], None], skips: Callable[[str], bool]
+    ) -> None:
+        """Pass queries of a traffic class on `key`, which has wildcards, to `handle`, as `Bus.serve` does."""
+        self.session(traffic).serve(key, handle, skips)
+
+    def subscribe(self, key: str, handle: Callable[[Received], None]) -> Callable[[], None]:
+        """Pass publications on `key` to `handle`, as `Bus.subscribe` does."""
+        return self.session(_row(key).session).subscribe(key, handle)
+
+    def subscribe_newest(
+        self, key: str, handle: Callable[[Received], None], skips: Callable[[str], bool]
+    ) -> None:
+        """Pass publications on `key` to `handle`, as `Bus.subscribe_newest` does."""
+        self.session(_row(key).session).subscribe_newest(key, handle, skips)
+
+    def publication(
+        self, key: str, encoding: str, on_subscribed: Callable[[], None] | None = None
+    ) -> Publication:
+        """Declare a publication, as `Bus.publication` does."""
+        traffic = _row(key).publish
+        publication, end = self.session(traffic).publication(key, encoding, on_subscribed)
+        if traffic == MEDIA and self._shared is not None:
+            self._published[key] = end
+        return publication
+
+    def declare_token(self, key: str) -> Callable[[], None]:
+        """Declare a token in the control session, as `Bus.declare_token` does."""
+        return self.control.declare_token(key)
+
+    def watch_tokens(self, key: str, handle: Callable[[str, bool], None]) -> None:
+        """Report tokens to `handle`, as `Bus.watch_tokens` does."""
+        self.control.watch_tokens(key, handle)
+
+    def watch_router(self, handle: Callable[[bool], None]) -> None:
+        """Report the connection to the router to `handle`, as `Bus.watch_router` does."""
+        self.control.watch_router(handle)
+
+    def watch_sessions(self, listener: SessionListener) -> Callable[[], None]:
+        """Watch the sessions and report to a listener; return a function that ends this, before `close`."""
+        return SessionWatchdog(self.opened, listener, in_turn=self._shared is not None).close
+
+    def describe(self, side: str) -> ProgramInfo:
+        """Return the description of the node that uses these sessions."""
+        return describe(self.opened().values(), side, [*self._published])
 
     def close(self) -> None:
         """Close all sessions, the control session last. May be called twice; the second call waits for the first."""
@@ -67,113 +123,8 @@ class ProcessSessions:
                 bus.close()
                 if traffic != CONTROL:
                     del self._open[traffic]
-
-
-class Sessions:
-    """The sessions as one node uses them, and what this node has declared in them."""
-
-    def __init__(
-        self, opened: Callable[[], Bus] | ProcessSessions, shared: ProcessSessions | None = None
-    ) -> None:
-        """Use these sessions, or open some with a function that connects; raises its errors.
-
-        `shared` are those of a process with several nodes, which then share the session of MEDIA and the watchdog.
-        """
-        self._own = opened if isinstance(opened, ProcessSessions) else ProcessSessions(opened)
-        self._shared = shared
-        self._lock = threading.Lock()
-        self._ends: dict[Callable[[], None], tuple[str, str]] = {}
-        """Kind and key of each declaration by the function that ends it, the oldest first."""
-
-    @property
-    def control(self) -> Bus:
-        """The control session."""
-        return self._own.control
-
-    def session(self, traffic: str) -> Bus:
-        """Return the session of a traffic class, opened if necessary; raises the errors of `connect`."""
-        shared = self._shared if traffic == MEDIA else None
-        return (shared or self._own).session(traffic)
-
-    def opened(self) -> dict[str, Bus]:
-        """Return the open sessions by traffic class, the control session first."""
-        shared = {} if self._shared is None else self._shared.opened()
-        return {**self._own.opened(), **{traffic: bus for traffic, bus in shared.items() if traffic == MEDIA}}
-
-    def serve(self, key: str, handle: Callable[[Incoming], None]) -> None:
-        """Pass queries on `key`, a key of keys.toml, to `handle`, as `Bus.serve` does."""
-        self._declared(QUERYABLE, key, self.session(_row(key).session).serve(key, handle))
-
-    def serve_rest(
-        self, traffic: str, key: str, handle: Callable[[Incoming], None], skips: Callable[[str], bool]
-    ) -> None:
-        """Pass queries of a traffic class on `key`, which has wildcards, to `handle`, as `Bus.serve_rest` does."""
-        self._declared(REST, key, self.session(traffic).serve_rest(key, handle, skips))
-
-    def subscribe(self, key: str, handle: Callable[[Received], None]) -> Callable[[], None]:
-        """Pass publications on `key` to `handle`, as `Bus.subscribe` does."""
-        return self._declared(SUBSCRIBER, key, self.session(_row(key).session).subscribe(key, handle))
-
-    def subscribe_newest(
-        self, key: str, handle: Callable[[Received], None], skips: Callable[[str], bool]
-    ) -> None:
-        """Pass publications on `key` to `handle`, as `Bus.subscribe_newest` does."""
-        bus = self.session(_row(key).session)
-        self._declared(SUBSCRIBER, key, bus.subscribe_newest(key, handle, skips))
-
-    def publication(
-        self, key: str, encoding: str, on_subscribed: Callable[[], None] | None = None
-    ) -> Publication:
-        """Declare a publication, as `Bus.publication` does."""
-        publication, end = self.session(_row(key).publish).publication(key, encoding, on_subscribed)
-        self._declared(PUBLISHER, key, end)
-        return publication
-
-    def declare_token(self, key: str) -> Callable[[], None]:
-        """Declare a token in the control session, as `Bus.declare_token` does."""
-        return self._declared(TOKEN, key, self.control.declare_token(key))
-
-    def watch_tokens(self, key: str, handle: Callable[[str, bool], None]) -> None:
-        """Report tokens to `handle`, as `Bus.watch_tokens` does."""
-        self._declared(WATCH, key, self.control.watch_tokens(key, handle))
-
-    def watch_router(self, handle: Callable[[bool], None]) -> None:
-        """Report the connection to the router to `handle`, as `Bus.watch_router` does."""
-        self._declared(WATCH, "", self.control.watch_router(handle))
-
-    def watch_sessions(self, listener: SessionListener) -> Callable[[], None]:
-        """Let the watchdog of the sessions report to a listener; return a function that ends this, before `close`."""
-        if self._shared is None:
-            return self._own.watchdog.add(listener)
-        return self._shared.watchdog.add(listener, self._own.opened)
-
-    def _declared(self, kind: str, key: str, end: Callable[[], None]) -> Callable[[], None]:
-        """Record a declaration; return the function that ends it and its record."""
-
-        def end_recorded() -> None:
-            with self._lock:
-                self._ends.pop(end_recorded, None)
-            end()
-
-        with self._lock:
-            self._ends[end_recorded] = kind, key
-        return end_recorded
-
-    def describe(self, side: str) -> ProgramInfo:
-        """Return the description of the node that uses these sessions."""
-        with self._lock:
-            declared = set(self._ends.values())
-        return description(declared, self.opened().values(), side)
-
-    def close(self) -> None:
-        """Close the sessions of this node, and end its declarations in a shared one; may be called twice."""
-        self._own.close()
-        while True:
-            with self._lock:
-                end = next(reversed(self._ends), None)
-            if end is None:
-                return
-            end()
+            while self._published:
+                self._published.popitem()[1]()
 
 
 def _row(key: str) -> KeyRow:
@@ -187,28 +138,23 @@ COMMAND_LINES = ("beatrix", "beatrix.exe", "cli")
 """Names of programs whose first argument is a verb; `cli`: `python -m beatrix_zenoh.cli`."""
 
 
-def describe(sessions: Iterable[Bus]) -> ProgramInfo:
-    """Return the description of this program from the declarations of its sessions. Fast enough for Zenoh's threads."""
+def describe(sessions: Iterable[Bus], side: str = "", published: Sequence[str] = ()) -> ProgramInfo:
+    """Return the description of this program from the declarations of its sessions. Fast enough for Zenoh's threads.
+
+    `side` is that of a node, `published` are keys in a session that it shares with others.
+    """
     buses = list(sessions)
-    kinds = (QUERYABLE, PUBLISHER, SUBSCRIBER)
-    return description({(kind, key) for bus in buses for kind in kinds for key in bus.declared(kind)}, buses)
 
-
-def description(
-    declared: AbstractSet[tuple[str, str]], sessions: Iterable[Bus], side: str = ""
-) -> ProgramInfo:
-    """Return the description of a program with these declarations (kind, key); `side` is that of a node."""
-
-    def keys_of(kind: str) -> list[str]:
-        return sorted(key for one, key in declared if one == kind)
+    def keys_of(kind: str) -> set[str]:
+        return {key for bus in buses for key in bus.declared(kind)}
 
     return ProgramInfo(
         program=program_name(sys.argv),
         side=side,
-        serves=[key for key in keys_of(QUERYABLE) if not _is_description(key)],
-        publishes=keys_of(PUBLISHER),
-        subscribes=keys_of(SUBSCRIBER),
-        asks=sorted({key for bus in sessions for key in bus.asked()}),
+        serves=sorted(key for key in keys_of(QUERYABLE) if not _is_description(key)),
+        publishes=sorted({*keys_of(PUBLISHER), *published}),
+        subscribes=sorted(keys_of(SUBSCRIBER)),
+        asks=sorted({key for bus in buses for key in bus.asked()}),
     )
 
 
@@ -244,68 +190,47 @@ class SessionListener(NamedTuple):
 
 
 class SessionWatchdog:
-    """A thread that replaces a session whose queryables the router has lost; it runs while there are listeners.
+    """A thread of a node that replaces a session whose queryables the router has lost.
 
     If the router disconnects a session under a flood of messages, Zenoh 1.10 reconnects it without its declarations in
     about one case in ten. The session is then open, but the router delivers no query to it.
 
-    If the router is back after a loss and refuses the account, it reports that to the listeners once, because Zenoh tries
-    to connect for ever and reports nothing.
+    If the router is back after a loss and refuses the account, it reports that once, because Zenoh tries to connect for
+    ever and reports nothing.
     """
 
-    def __init__(self, opened: Callable[[], dict[str, Bus]]) -> None:
-        """`opened` returns the sessions to check by traffic class, the control session first."""
-        self._opened = opened
-        self._lock = threading.Lock()
-        self._listeners: dict[SessionListener, Callable[[], dict[str, Bus]]] = {}
-        """The listeners, each with a function that returns the sessions of its node that no other node uses."""
+    def __init__(
+        self, opened: Callable[[], dict[str, Bus]], listener: SessionListener, *, in_turn: bool
+    ) -> None:
+        """`opened` returns the sessions by traffic class, the control session first.
+
+        `in_turn`: check one of them in each period, because a process with many nodes may have a hundred.
+        """
+        self._opened, self._listener, self._in_turn = opened, listener, in_turn
         self._ended = threading.Event()
-        self._thread: threading.Thread | None = None
         self._refusals = 0
         self._failures: weakref.WeakKeyDictionary[Bus, int] = weakref.WeakKeyDictionary()
+        self._thread = threads.start(self._run, "watchdog")
 
-    def add(self, listener: SessionListener, own: Callable[[], dict[str, Bus]] = dict) -> Callable[[], None]:
-        """Report to a listener, on the watchdog's thread, and check the sessions that `own` returns for it alone.
+    def close(self) -> None:
+        """End the reports."""
+        self._ended.set()
+        self._thread.join(timeout=3 * ANSWER_S)
 
-        Of these one is checked in each period, because a process may have a hundred. Return a function that ends this.
-        """
-        with self._lock:
-            self._listeners = {**self._listeners, listener: own}
-            if self._thread is None:
-                self._ended = ended = threading.Event()
-                with threads.owned_by(None):  # not by the robot that adds the first listener
-                    self._thread = threads.start(lambda: self._run(ended), "watchdog")
-        return lambda: self._remove(listener)
-
-    def _remove(self, listener: SessionListener) -> None:
-        """End the reports to a listener; with the last one end the thread."""
-        with self._lock:
-            self._listeners = {other: own for other, own in self._listeners.items() if other is not listener}
-            thread = None if self._listeners else self._thread
-            if thread is not None:
-                self._ended.set()
-                self._thread = None
-        if thread is not None:
-            thread.join(timeout=3 * ANSWER_S)
-
-    def _run(self, ended: threading.Event) -> None:
+    def _run(self) -> None:
         for turn in itertools.count():
-            if ended.wait(PERIOD_S):
+            if self._ended.wait(PERIOD_S):
                 return
-            opened = self._opened()
-            control, *others = opened.values()
-            for traffic, checked in opened.items():
-                through = next(iter(others), None) if checked is control else control
-                if through is not None and not ended.is_set():
-                    self._check(traffic, checked, through, list(self._listeners))
-            for listener, own in self._listeners.items():
-                sessions = list(own().items())
-                if sessions and not ended.is_set():
-                    self._check(*sessions[turn % len(sessions)], control, [listener])
-            if not ended.is_set():
+            opened = list(self._opened().items())
+            control = opened[0][1]
+            for traffic, checked in opened[turn % len(opened) :][:1] if self._in_turn else opened:
+                through = next((bus for _, bus in opened[1:]), None) if checked is control else control
+                if through is not None and not self._ended.is_set():
+                    self._check(traffic, checked, through)
+            if not self._ended.is_set():
                 self._check_account(control)
 
-    def _check(self, traffic: str, checked: Bus, through: Bus, listeners: list[SessionListener]) -> None:
+    def _check(self, traffic: str, checked: Bus, through: Bus) -> None:
         if not checked.served:
             return
         failed = not reached(checked, through)
@@ -317,8 +242,7 @@ class SessionWatchdog:
             checked.renew()
         except (NoAnswer, WrongUsage):
             return  # the router has just been lost, and the old session remains; or the node closes
-        for listener in listeners:
-            listener.renewed(traffic)
+        self._listener.renewed(traffic)
 
     def _check_account(self, control: Bus) -> None:
         """Report a router that refuses the account twice in a row; one that has just started may refuse it once."""
@@ -331,8 +255,7 @@ class SessionWatchdog:
                 return
             self._refusals += 1
             if self._refusals == FAILURES:
-                for listener in self._listeners:
-                    listener.refused(error)
+                self._listener.refused(error)
 
 
 def reached(checked: Bus, through: Bus) -> bool:

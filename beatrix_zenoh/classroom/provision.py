@@ -6,16 +6,18 @@ import contextlib
 import html
 import io
 import secrets
-from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
+from typing import NamedTuple
 
 import msgspec
+import segno
 
 from beatrix_zenoh import account, files
 from beatrix_zenoh.account import Account, Role
 from beatrix_zenoh.bus.credentials import Identity
 from beatrix_zenoh.class_file import Classroom
+from beatrix_zenoh.classroom import certificates
 from beatrix_zenoh.classroom.router_file import ROUTER, RouterFile, load
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused, WrongUsage
@@ -23,22 +25,15 @@ from beatrix_zenoh.contract.errors import Refused, WrongUsage
 AUTHORITY = "router-authority.pem"
 """File of the authority that signs the certificates of the router. In earlier versions one in `authority.pem` also signed
 accounts, which no router may accept any more."""
-MISSING = '`beatrix classroom init` needs {}, which is not installed: pip install ".[classroom]" in the folder of BEATRIX'
 
 
-@dataclass(frozen=True)
-class Made:
+class Made(NamedTuple):
     """Result of `init`."""
 
-    accounts: list[Account]
-    new: list[str]
-    """accounts with a new secret, whose files must be handed out"""
-    left: list[str]
+    changed: list[str]
+    """accounts that are new or whose file has changed, so that it must be handed out"""
+    left: list[Path]
     """files of accounts that the class no longer has"""
-    moved: bool
-    """whether the address or port of the router has changed, so that all files must be handed out again"""
-    renamed: bool
-    """whether seats, names of pupils or robots have changed, which the account of the teacher contains"""
 
 
 def folder_of(role: str) -> str:
@@ -50,38 +45,35 @@ def init(classroom: Classroom, folder: Path) -> Made:
     """Write all files of the class to `folder`; existing accounts keep their credentials.
 
     Raises:
-        Refused: BAD_VALUE, a package is missing, or a file cannot be written; BUSY, another process writes the class.
+        Refused: BAD_VALUE, a file cannot be written.
         WrongUsage: BAD_VALUE, an existing file cannot be read.
     """
     try:
-        import segno  # noqa: F401  # it is in an extra
-    except ModuleNotFoundError as error:
-        raise Refused(Reason.BAD_VALUE, MISSING.format(error.name)) from error
-    try:
         for name in ("", "seats", "robots"):
             (folder / name).mkdir(mode=0o700, parents=True, exist_ok=True)
-        with files.locked(folder / ".lock", f"Another `beatrix classroom init` is writing to {folder}"):
-            signer = _Signer(folder, classroom)
-            made = _accounts(classroom, folder, signer)
-            for one in made.accounts:
-                files.write_private(folder / folder_of(one.role) / f"{one.name}.toml", one.text())
-            router = signer.router(classroom, folder / "router.toml", made.accounts)
-            files.write_private(folder / "router.toml", router.text())
-            files.write_private(folder / "cards.html", cards(classroom, made.accounts))
-            files.write_private(folder / "connections.nft", connections(classroom))
+        signer = _Signer(folder, classroom)
+        accounts, changed = [], []
+        for name, role in classroom.accounts.items():
+            path = folder / folder_of(role) / f"{name}.toml"
+            old = account.load(path) if path.is_file() else None
+            accounts.append(signer.account(classroom, name, role, old))
+            if accounts[-1] != old:
+                changed.append(name)
+                files.write_private(path, accounts[-1].text())
+        router = signer.router(classroom, folder / "router.toml", accounts)
+        files.write_private(folder / "router.toml", router.text())
+        files.write_private(folder / "cards.html", cards(classroom, accounts))
+        files.write_private(folder / "connections.nft", connections(classroom))
     except OSError as error:
         raise Refused(Reason.BAD_VALUE, f"Cannot write the files of the class: {error}.") from error
-    return made
+    present = [path for role in ("seats", "robots") for path in sorted((folder / role).glob("*.toml"))]
+    return Made(changed, [path for path in present if path.stem not in classroom.accounts])
 
 
 class _Signer:
     """Makes the certificates of accounts, and of the router with the authority, whose file stays with the teacher."""
 
     def __init__(self, folder: Path, classroom: Classroom) -> None:
-        try:
-            from beatrix_zenoh.classroom import certificates  # needs an extra
-        except ModuleNotFoundError as error:
-            raise Refused(Reason.BAD_VALUE, MISSING.format(error.name)) from error
         path = folder / AUTHORITY
         if path.is_file():
             try:
@@ -91,7 +83,6 @@ class _Signer:
         else:
             self.authority = certificates.Authority.make(classroom.name)
             files.write_private(path, self.authority.text)
-        self._certificates = certificates
 
     def account(self, classroom: Classroom, name: str, role: Role, old: Account | None) -> Account:
         """Return an account with its old certificate, or with a new one if that is not of this class or expires soon.
@@ -100,14 +91,14 @@ class _Signer:
         """
         trusted = self.authority.certificate
         own = None if old is None else Identity(old.authority, old.certificate, old.key)
-        if own is None or own.authority != trusted or not self._certificates.is_current(own.certificate):
-            own = self._certificates.account(f"{name}.{secrets.token_hex(4)}", trusted)
+        if own is None or own.authority != trusted or not certificates.is_current(own.certificate):
+            own = certificates.account(f"{name}.{secrets.token_hex(4)}", trusted)
         return Account(
             class_name=classroom.name,
             name=name,
             role=role,
             connect=classroom.listen_seats if role == "student" else classroom.listen,
-            expires=self._certificates.expiry(own.certificate),
+            expires=certificates.expiry(own.certificate),
             authority=trusted,
             certificate=own.certificate,
             key=own.key,
@@ -135,30 +126,10 @@ class _Signer:
             authority=self.authority.certificate,
             certificate=own.certificate,
             key=own.key,
-            accounts={one.name: self._certificates.common_name(one.certificate) for one in accounts},
+            accounts={one.name: certificates.common_name(one.certificate) for one in accounts},
             certificates={one.name: one.certificate for one in accounts},
-            expires=min(self._certificates.expiry(own.certificate), *(one.expires for one in accounts)),
+            expires=min(certificates.expiry(own.certificate), *(one.expires for one in accounts)),
         )
-
-
-def _accounts(classroom: Classroom, folder: Path, signer: _Signer) -> Made:
-    made: list[Account] = []
-    new: list[str] = []
-    moved = renamed = False
-    for name, role in classroom.accounts.items():
-        path = folder / folder_of(role) / f"{name}.toml"
-        old = account.load(path) if path.is_file() else None
-        made.append(signer.account(classroom, name, role, old))
-        moved = moved or (old is not None and old.connect != made[-1].connect)
-        renamed = renamed or (
-            old is not None and (old.names, old.robots) != (made[-1].names, made[-1].robots)
-        )
-        if old is None or old.key != made[-1].key:
-            new.append(name)
-    present = [path for role in ("seats", "robots") for path in sorted((folder / role).glob("*.toml"))]
-    return Made(
-        made, new, [str(path) for path in present if path.stem not in classroom.accounts], moved, renamed
-    )
 
 
 CONNECTIONS = """# Limits the new connections that each other computer opens to the routers of class {name} (Linux). Type as root:
@@ -241,8 +212,6 @@ def _card(account: Account, title: str, teacher: str) -> str:
 
 def _code(text: str) -> str:
     """Return a QR code as SVG; with certificates it has about 130 modules a side, which phones can read on a card."""
-    import segno
-
     drawn = io.BytesIO()
     # The standard's choice of the best of eight masks takes three quarters of the time of a class's cards, and an
     # account is mostly base64: as even as random bits under any mask.

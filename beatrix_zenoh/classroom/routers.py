@@ -25,6 +25,7 @@ from beatrix_zenoh import threads
 from beatrix_zenoh.account import Account, today
 from beatrix_zenoh.classroom import router_file
 from beatrix_zenoh.classroom.pending import PendingDecisions
+from beatrix_zenoh.classroom.reports import KeptReports
 from beatrix_zenoh.classroom.router_file import CHECK_KEY, Part, RouterFile
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
@@ -170,17 +171,17 @@ class ClassRouters:
         self._again_s: dict[Part, float] = {}
         """when to start a router that does not run (monotonic clock, s)"""
         try:
-            self._start(Part.ROBOTS, self.file)
+            self._start(Part.ROBOTS)
             self._reports = zbus.connect(self.file.listen, account=self.file.account())
-            self._reports.use(zbus.KeptReports(lessons).serve)
+            KeptReports(self._reports, lessons)
             PendingDecisions(self._reports, self._place.with_name("pending.json"), lambda: self.file.robots)
-            self._start(Part.SEATS, self.file)
+            self._start(Part.SEATS)
         except BeatrixError:
             self.close()
             raise
 
-    def _start(self, part: Part, file: RouterFile) -> None:
-        child = ChildRouter(part, file)
+    def _start(self, part: Part) -> None:
+        child = ChildRouter(part, self.file)
         self._children[part] = child
         child.wait_ready()
 
@@ -197,7 +198,7 @@ class ClassRouters:
             if child is not None:
                 self._check(part, child)
             elif time.monotonic() >= self._again_s[part]:
-                self._again(part, self.file)
+                self._again(part)
         found = self._changed()
         if found is not None:
             self._follow(found)
@@ -224,7 +225,7 @@ class ClassRouters:
         if part is Part.ROBOTS and len(recent) >= OFTEN and Part.SEATS in self._children:
             self._put_off(Part.SEATS, CLOSED_S)
             note(f"The seats are out for {CLOSED_S:.0f} s. Robots and teacher work meanwhile.")
-        self._again(part, self.file)
+        self._again(part)
 
     def _stuck(self, part: Part, child: ChildRouter) -> bool:
         """Return whether a router does not answer; that of the seats is asked for answers of the other one."""
@@ -237,10 +238,10 @@ class ClassRouters:
         self._children.pop(part).close()
         self._again_s[part] = time.monotonic() + wait_s
 
-    def _again(self, part: Part, file: RouterFile) -> None:
+    def _again(self, part: Part) -> None:
         """Start a router that ran before."""
         try:
-            self._start(part, file)
+            self._start(part)
         except BeatrixError as error:
             note(f"The {part.called} cannot start. {error.message} It tries again in {AGAIN_S:.0f} s.")
             self._put_off(part, AGAIN_S)
@@ -263,28 +264,19 @@ class ClassRouters:
     def _follow(self, found: RouterFile) -> None:
         """Use a new file: put removed accounts out, or restart the routers for which more has changed."""
         former, self.file = self.file, found
-        try:
-            for part, child in self._children.items():
-                gone = set(former.own(part)) - set(found.own(part))
-                if serves_alike(former, found, part):
-                    child.file = found
-                elif gone and serves_alike(former.without(gone), found, part):
-                    child.put_out(gone, found)
-                    note(f"Put out: {', '.join(sorted(gone))}.")
-                else:
-                    note(f"The accounts have changed: the {part.called} restarts.")
-                    child.close()
-                    self._start(part, found)
-        except BeatrixError as error:
-            note(
-                f"The routers continue with the former accounts, because they cannot use the new file. {error.message}"
-            )
-            self.file = former
-            for part, child in [*self._children.items()]:
-                if child.file != former or child.code is not None:
-                    child.close()
-                    self._again(part, former)
-        self.say_ready()
+        for part, child in [*self._children.items()]:
+            gone = set(former.own(part)) - set(found.own(part))
+            if serves_alike(former, found, part):
+                child.file = found
+            elif gone and serves_alike(former.without(gone), found, part):
+                child.put_out(gone, found)
+                note(f"Put out: {', '.join(sorted(gone))}.")
+            else:
+                note(f"The accounts have changed: the {part.called} restarts.")
+                child.close()
+                self._again(part)
+        if len(self._children) == len(Part):
+            self.say_ready()
 
     def close(self) -> None:
         """End both routers."""

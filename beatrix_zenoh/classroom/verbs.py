@@ -16,6 +16,7 @@ from beatrix_zenoh.account import Account
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.output import exit_code, note, say, typed
+from beatrix_zenoh.terminal.run import missing
 
 STDIN = Path("-")
 
@@ -43,27 +44,24 @@ def classroom(
     accounts and adds those of new seats and robots.
     """
     from beatrix_zenoh import class_file
-    from beatrix_zenoh.classroom import provision, router_file
+
+    try:
+        from beatrix_zenoh.classroom import provision, router_file
+    except ModuleNotFoundError as error:
+        raise missing("classroom", error) from error
 
     described = class_file.read(file)
     folder = out or router_file.folder(file, described)
     made = provision.init(described, folder)
     seats, robots = _counted(described.seats, "seat"), _counted(described.robots, "robot")
     say(f"Class {described.name}: {seats}, {robots}, in {folder}")
-    say(f"  new accounts       {', '.join(made.new) or 'none'}")
+    say(f"  new or changed     {', '.join(made.changed) or 'none'}")
     router = typed("beatrix", "router", "--class", file if out is None else folder / "router.toml")
     say(f"  start router       {router}   (one that runs restarts by itself)")
     say(
-        f"  to each computer   copy its file from {folder / 'seats'} or {folder / 'robots'}; run there: beatrix join FILE"
+        f"  to each of these   copy its file from {folder / 'seats'} or {folder / 'robots'}; run there: beatrix join FILE"
     )
     say(f"  cards to print     {folder / 'cards.html'}")
-    if made.moved:
-        note(
-            "The address of the router has changed: copy every file again, and run beatrix join on each computer."
-        )
-    if made.renamed:
-        join = typed("beatrix", "join", folder / "seats" / "teacher.toml")
-        note(f"Seats, names of pupils or robots have changed: run {join} again.")
     for path in made.left:
         note(
             f"{path}: the class has no such seat or robot, so the router refuses this account. You can delete the file."

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from enum import StrEnum
 from typing import Annotated
@@ -19,11 +19,11 @@ from beatrix_zenoh.client.twin_state import check_may_switch
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import (
     Command,
+    CommandReply,
     LeaseAction,
     LeaseQuery,
     LeaseReply,
     Reason,
-    Status,
 )
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, WrongUsage, naming
 from beatrix_zenoh.output import exit_code, note, print_json, say
@@ -84,31 +84,30 @@ def follow(
     While it follows, its own motions and previews are refused; STOP of the simulation also ends it.
     """
     with open_targets(Selection(name, connect, who), Which.SIM, acts=True) as targets:
-        robot = targets.robots()[0]
-        reply = robot.follow(switch is Switch.ON)
-    if as_json:
-        print_json(
-            {"result": True, "robots": [{"robot": robot.name, "side": robot.side, "message": reply.message}]}
-        )
-    else:
-        say(f"{robot}: {reply.message}")
+        ask_each(targets.robots(), lambda robot: robot.follow(switch is Switch.ON), as_json=as_json)
 
 
 def command(
     selection: Selection, which: Which | None, what: Command, *, as_json: bool, value: bool = True
 ) -> None:
-    """Send one command to the robots selected, the simulation first, and print the replies."""
+    """Send one command to the robots selected, the simulation first."""
     with open_targets(selection, which, acts=True, both=what is Command.RESET) as targets:
-        rows, robots = [], targets.robots()
+        robots = targets.robots()
         if len(robots) > 1 and value and what is not Command.RESET:
             for robot in robots:
                 check_may_switch(robot)
-        for robot in robots:
-            with naming(str(robot)) if len(robots) > 1 else nullcontext():
-                reply = robot.command(what, value=value)
-            rows.append({"robot": robot.name, "side": robot.side, "message": reply.message})
-            if not as_json:
-                say(f"{robot}: {reply.message}")
+        ask_each(robots, lambda robot: robot.command(what, value=value), as_json=as_json)
+
+
+def ask_each(robots: Sequence[Robot], ask: Callable[[Robot], CommandReply], *, as_json: bool) -> None:
+    """Ask one robot after the other, and print the replies."""
+    rows = []
+    for robot in robots:
+        with naming(str(robot)) if len(robots) > 1 else nullcontext():
+            message = ask(robot).message
+        rows.append({"robot": robot.name, "side": robot.side, "message": message})
+        if not as_json:
+            say(f"{robot}: {message}")
     if as_json:
         print_json({"result": True, "robots": rows})
 
@@ -176,20 +175,8 @@ def _hold(robots: Sequence[Robot]) -> None:
             robot.lease_number = 0  # so that `close` gives nothing back
             raise Refused(
                 Reason.NOT_HOLDER,
-                f"{robot}: your lease has ended; {_holder_now(status, robot.client.settings.who)}. `beatrix ls` shows "
-                "the state.",
+                f"{robot}: your lease has ended; driver now: {status.holder or 'none'}. `beatrix ls` shows the state.",
             )
-
-
-def _holder_now(status: Status, seat: str) -> str:
-    """Return a clause that names the holder after the lease of `seat` has ended."""
-    if not status.holder:
-        return "it is free now"
-    if status.holder != seat:
-        return f"{status.holder} holds it now"
-    if status.lease:
-        return "another program of this seat holds it now"
-    return "it is free two seconds after the last motion of this seat"
 
 
 def freeze(name: Names = None, connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
@@ -226,13 +213,11 @@ def limit(
         raise typer.BadParameter(
             "Give a speed (`beatrix limit 20`, `limit off`), or a time (`beatrix limit --turn 60`, `--turn off`)."
         )
+    value = _number(turn or speed or "")
     if turn is not None:
-        longest_s = 0.0 if turn == "off" else _number(turn, "number of seconds", "60")
-        query = LeaseQuery(action=LeaseAction.TURN, longest_s=longest_s)
+        query = LeaseQuery(action=LeaseAction.TURN, longest_s=value or 0.0)
     else:
-        assert speed is not None
-        most = 0.0 if speed == "off" else leases.limit_of(_number(speed, "speed", "20"))
-        query = LeaseQuery(action=LeaseAction.LIMIT, speed=most)
+        query = LeaseQuery(action=LeaseAction.LIMIT, speed=0.0 if value is None else leases.limit_of(value))
     _govern(query, name, connect, who, as_json=as_json)
 
 
@@ -256,12 +241,13 @@ def unmute(
     _govern(LeaseQuery(action=LeaseAction.UNMUTE, seat=seat), name, connect, who, as_json=as_json)
 
 
-def _number(text: str, what: str, example: str) -> float:
+def _number(text: str) -> float | None:
+    """Return a number, None for `off`."""
     try:
-        return float(text)
+        return None if text == "off" else float(text)
     except ValueError:
         raise WrongUsage(
-            Reason.BAD_VALUE, f"{text!r} is not a {what}: give for example {example}, or off."
+            Reason.BAD_VALUE, f"{text!r} is not a number: give for example 20, or off."
         ) from None
 
 
@@ -282,12 +268,10 @@ def _govern(
     with Client(settings) as client:
         present = client.robots()
         places = [place for place in present if not wanted or place[0] in wanted]
-        results, silent = {}, []
+        results = {}
         for place, result in govern(client, places, query):
             results[place] = result
-            if result.reason is Reason.TIMED_OUT and not wanted and of_seat(client, place):
-                silent.append(place)
-            elif not as_json:
+            if not as_json:
                 (say if result.reason is Reason.OK else note)(f"{title(place)}: {result.message}")
         later = pending(client, query, wanted or ())
         if not (places or later):
@@ -297,37 +281,31 @@ def _govern(
                 Reason.NO_SUCH_ROBOT if present else Reason.NO_ANSWER,
                 f"No robot{named} is online at {client.bus.endpoint}.{others}",
             )
-    failed = [place for place in places if results[place].reason is not Reason.OK and place not in silent]
+        # The robot of a seat may be a token that a program has declared without a robot.
+        silent = [
+            place for place in places if results[place].reason is Reason.TIMED_OUT and of_seat(client, place)
+        ]
+    done = [
+        place for place in places if results[place].reason is Reason.OK or (place in silent and not wanted)
+    ]
+    failed = [place for place in places if place not in done]
     of_class = wanted or (settings.account.robots if settings.account else ())
     absent = sorted({*of_class} - {robot for robot, _ in present} - {*later})
     if as_json:
         rows = [_row(place, results[place]) for place in places]
         print_json({"result": not failed, "robots": rows, "pending": [*later]})
-    else:
-        _name_others(silent, [*later], [*map(title, failed), *absent])
-    if failed or (wanted and absent):
-        raise typer.Exit(exit_code(results[failed[0]].reason if failed else Reason.NO_SUCH_ROBOT))
-
-
-def _name_others(silent: Sequence[Place], later: Sequence[str], lacking: Sequence[str]) -> None:
-    """Print which robots of seats did not answer, to which robots the router sends it, and which lack it."""
-    if silent:
-        note(f"No answer from {some([*map(title, sorted(silent))])}: robots of seats, not of the class.")
-    if later:
-        say(f"{some(later)}: not online. The router of the class applies it when the robot comes.")
-    if lacking:
+    elif later:
+        say(f"{some([*later])}: not online. The router of the class applies it when the robot comes.")
+    if not as_json and (lacking := [*map(title, failed), *absent]):
         note(
             f"Not done, or not online: {some(lacking)}. Type the command again when they answer; "
             "`beatrix top` shows what they lack."
         )
+    if failed or (wanted and absent):
+        raise typer.Exit(exit_code(results[failed[0]].reason if failed else Reason.NO_SUCH_ROBOT))
 
 
 def _row(place: Place, result: LeaseReply | BeatrixError) -> dict[str, object]:
     """Return the result of one robot for JSON output."""
-    return {
-        "robot": place[0],
-        "side": place[1],
-        "result": result.reason is Reason.OK,
-        "reason": result.reason,
-        "message": result.message,
-    }
+    good, reason, message = result.reason is Reason.OK, result.reason, result.message
+    return {"robot": place[0], "side": place[1], "result": good, "reason": reason, "message": message}

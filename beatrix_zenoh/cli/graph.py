@@ -7,8 +7,7 @@ program describes itself; a Zenoh program without both stays unseen.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, NamedTuple
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.client.session import Client, Place
@@ -48,21 +47,19 @@ def as_row(program: ProgramAtRouter) -> dict[str, object]:
     """Return the fields of a program, for JSON output."""
     return {
         "title": program.title,
-        "described": program.described,
-        **{name: sorted(getattr(program, name)) for name in DECLARED},
+        "described": program.described is not None,
+        **{name: program.keys_of(name) for name in DECLARED},
     }
 
 
 def lines(program: ProgramAtRouter, nodes: Sequence[ProgramAtRouter]) -> list[str]:
     """Return a line for each key that a node publishes or serves, or for each node that a client watches or asks."""
-    if not program.described:
+    if program.described is None:
         return [UNDESCRIBED]
     if program.robot is not None:
-        serves = sorted({short(key) for key in program.serves} - {short(key) for key in program.publishes})
-        return [
-            *(f"publishes {short(key)}" for key in sorted(program.publishes)),
-            *(f"answers {key}" for key in serves),
-        ]
+        published = [short(key) for key in program.keys_of("publishes")]
+        answered = sorted({short(key) for key in program.keys_of("serves")} - {*published})
+        return [*(f"publishes {key}" for key in published), *(f"answers {key}" for key in answered)]
     rows = [f"watches {node.title}: {', '.join(found)}" for node in nodes if (found := program.watches(node))]
     rows += [f"asks {node.title}: {', '.join(found)}" for node in nodes if (found := program.queries(node))]
     return rows or ["watches and asks no robot"]
@@ -75,28 +72,29 @@ def text(programs: Sequence[ProgramAtRouter], endpoint: str) -> str:
     return "\n\n".join([f"router {endpoint}", *listed])
 
 
-@dataclass
-class ProgramAtRouter:
-    """A program at the router: a node or a client. Those of the same title are shown as one."""
+class ProgramAtRouter(NamedTuple):
+    """A program at the router: a node or a client."""
 
     title: str
-    robot: Place | None = None
+    robot: Place | None
     """name and side, if it is a node"""
-    described: bool = False
-    """whether it has described itself; otherwise it hangs or has another version, and its keys are unknown"""
-    serves: set[str] = field(default_factory=set)
-    publishes: set[str] = field(default_factory=set)
-    subscribes: set[str] = field(default_factory=set)
-    asks: set[str] = field(default_factory=set)
+    described: ProgramInfo | None
+    """None: it hangs or has another version, and its keys are unknown"""
+
+    def keys_of(self, kind: str) -> list[str]:
+        """Return the keys of one kind of DECLARED."""
+        found: list[str] = getattr(self.described, kind, [])
+        return found
 
     def watches(self, node: ProgramAtRouter) -> list[str]:
         """Return the publications of a node that this program subscribes to, such as `state/positions`; sorted."""
-        return sorted({short(key) for key in node.publishes if _any_matches(self.subscribes, key)})
+        watched = self.keys_of("subscribes")
+        return sorted({short(key) for key in node.keys_of("publishes") if _any_matches(watched, key)})
 
     def queries(self, node: ProgramAtRouter) -> list[str]:
         """Return the purposes of the queries and puts that this program has lately sent to a node; sorted."""
-        answered = node.serves | node.subscribes
-        return sorted({_purpose(key) for key in self.asks if _any_matches(answered, key)})
+        answered = [*node.keys_of("serves"), *node.keys_of("subscribes")]
+        return sorted({_purpose(key) for key in self.keys_of("asks") if _any_matches(answered, key)})
 
 
 def read(client: Client) -> list[ProgramAtRouter]:
@@ -108,26 +106,19 @@ def read(client: Client) -> list[ProgramAtRouter]:
     infos, (nodes, seats) = _descriptions(client), _tokens(client)
     if not infos.keys() >= nodes | seats:  # a program has joined meanwhile, or hangs
         infos, (nodes, seats) = _descriptions(client), _tokens(client)
-    programs: dict[str, ProgramAtRouter] = {}
+    programs = []
     for owner in sorted({*infos, *nodes, *seats} - {(client.settings.who, client.bus.session_id)}):
         node = owner[1] in names.SIDES
         if node and owner not in nodes:
             continue  # a description without the token of its robot: the node starts or ends
         for info in infos.get(owner, [None]):
             title = "{} ({})".format(*owner) if node else _title(owner[0], info)
-            _add(programs.setdefault(title, ProgramAtRouter(title, owner if node else None)), info)
-    return sorted(programs.values(), key=lambda program: (program.robot is None, program.title))
+            programs.append(ProgramAtRouter(title, owner if node else None, info))
+    return sorted(programs, key=lambda program: (program.robot is None, program.title))
 
 
 def _title(seat: str, info: ProgramInfo | None) -> str:
     return f"seat {seat}" if info is None else f"seat {seat}: {info.program}"
-
-
-def _add(program: ProgramAtRouter, info: ProgramInfo | None) -> None:
-    if info is not None:
-        program.described = True
-        for name in DECLARED:
-            getattr(program, name).update(getattr(info, name))
 
 
 def _descriptions(client: Client) -> dict[Owner, list[ProgramInfo]]:

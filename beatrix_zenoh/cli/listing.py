@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
 import os
 import time
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 from msgspec import Struct
@@ -37,9 +36,6 @@ from beatrix_zenoh.terminal.states import (
     unlike_notes,
 )
 from beatrix_zenoh.terminal.targets import Selection, open_targets
-
-if TYPE_CHECKING:  # importing rich would delay every verb
-    from rich.console import RenderableType
 
 VALUE_HEADS = ("group", "value", "now")
 LIST_HEADS = ("robot", "side", "state", "driver", "version", "firmware")
@@ -140,13 +136,9 @@ LOST = "The router at {} is lost, or this computer has lost the network. The tab
 HEADS = ("robot", "side", "state", "yaw°", "pitch°", "roll°", "per s", "silent", "driver")
 TABLE_S = 1.2
 """Time for which `--once` and `--json` collect data before they print, and the period of the tables in a pipe (s)."""
-REFRESH_S = 0.2
-DECISIONS_EVERY = 5
-"""Refreshes from one question about pending decisions to the next: a query each second is enough."""
+REFRESH_S = 0.5
 SEATS_SHOWN = 40
 """Largest number of seats in the line about seats."""
-STOPS_SHOWN = 8
-"""Largest number of seats in the line about STOPs."""
 
 
 def top(
@@ -217,28 +209,23 @@ def decisions(client: Client) -> list[str]:
     ]
 
 
-def messages(client: Client, robots: list[RobotState], later: list[str]) -> list[str]:
-    """Return the lines below the table: the loss of the router, no robot, or the problems of the robots, then `later`."""
+def messages(client: Client, robots: list[RobotState]) -> list[str]:
+    """Return the lines below the table: the loss of the router, no robot, or the problems of the robots."""
     if not client.bus.connected:
         return [LOST.format(client.bus.endpoint)]
     account = client.settings.account
     expiring = account.renewal(today()) if account else ""
     found = [f"{robot.robot} ({robot.side}): {problem}" for robot in robots for problem in problems_of(robot)]
-    found += unlike_notes(
-        {(robot.robot, robot.side): robot.status for robot in robots if robot.status}, account
-    )
-    return [*([expiring] if expiring else []), *(found if robots else [NO_ROBOT]), *later]
+    statuses = {(robot.robot, robot.side): robot.status for robot in robots if robot.status}
+    found += unlike_notes(statuses, account) if robots else [NO_ROBOT]
+    return [*filter(None, [expiring]), *found, *decisions(client)]
 
 
 def seat_lines(settings: Settings, monitor: Monitor, seats: Seats) -> list[str]:
     """Return a line with the seats that are connected to the router, and one with the seats that have sent STOP."""
+    stops = [stop_words(settings, one) for one in stops_by_seat(monitor.robots())]
     lines = [f"seats: {some([settings.shown(seat) for seat in seats.names()], SEATS_SHOWN)}"]
-    stops = stops_by_seat(monitor.robots())
-    if stops:
-        words = [stop_words(settings, one) for one in stops[:STOPS_SHOWN]]
-        more = [f"{len(stops) - STOPS_SHOWN} more seats"] if len(stops) > STOPS_SHOWN else []
-        lines.append(f"STOP pressed: {', '.join([*words, *more])}")
-    return lines
+    return [*lines, f"STOP pressed: {some(stops)}"] if stops else lines
 
 
 def stop_words(settings: Settings, stops: SeatStops) -> str:
@@ -255,11 +242,11 @@ def stops_as_dict(stops: SeatStops) -> dict[str, object]:
 
 
 def text(client: Client, monitor: Monitor, seats: Seats) -> str:
-    """Return the table and the lines below it as text, for a pipe."""
+    """Return the table and the lines below it."""
     robots = online(monitor)
     table = [columns(HEADS, [cells(client.settings, robot) for robot in robots])] if robots else []
     lines = seat_lines(client.settings, monitor, seats)
-    return "\n".join([*table, *messages(client, robots, decisions(client)), *lines])
+    return "\n".join([*table, *messages(client, robots), *lines])
 
 
 def as_dict(robot: RobotState) -> dict[str, object]:
@@ -270,9 +257,7 @@ def as_dict(robot: RobotState) -> dict[str, object]:
         "robot": robot.robot,
         "side": robot.side,
         "state": state_of(robot),
-        "head_deg": None
-        if head is None
-        else {axis: round(angle, 3) + 0.0 for axis, angle in head._asdict().items()},
+        "head_deg": head and {axis: round(angle, 3) + 0.0 for axis, angle in head._asdict().items()},
         "hz": round(robot.hz, 2),
         "silent_s": None if age_s is None else round(age_s, 3),
         "driver": robot.status.holder if robot.status else "",
@@ -283,38 +268,9 @@ def as_dict(robot: RobotState) -> dict[str, object]:
 def live(client: Client, monitor: Monitor, seats: Seats) -> None:
     """Redraw the table until Ctrl-C."""
     from rich.live import Live
-
-    later: list[str] = []
-    with Live(auto_refresh=False, screen=True) as screen:
-        for refresh in itertools.count():
-            later = later if refresh % DECISIONS_EVERY else decisions(client)
-            lines = seat_lines(client.settings, monitor, seats)
-            screen.update(screen_table(client, online(monitor), lines, later), refresh=True)
-            time.sleep(REFRESH_S)
-
-
-def screen_table(
-    client: Client, robots: list[RobotState], seats: list[str], later: list[str]
-) -> RenderableType:
-    """Return the table with colours and the lines below it, for a terminal."""
-    from rich.console import Group
-    from rich.table import Table
     from rich.text import Text
 
-    table = Table(
-        title=f"BEATRIX robots at {client.bus.endpoint}", box=None, pad_edge=False, title_justify="left"
-    )
-    for index, head in enumerate(HEADS):
-        table.add_column(head, justify="right" if 3 <= index <= 7 else "left")
-    for robot in robots:
-        table.add_row(*cells(client.settings, robot), style=colour(state_of(robot)))
-    last = "silent: time since the last positions of the robot. Ctrl-C ends."
-    foot = Text("\n".join(["", *seats, last]), style="dim")
-    return Group(table, *(Text(line, style="yellow") for line in messages(client, robots, later)), foot)
-
-
-def colour(state: str) -> str:
-    """Return the colour of a row: green if the robot may move, red if it is lost or has a fault, otherwise yellow."""
-    if state in ("ready", "moving"):
-        return "green"
-    return "red" if state == "lost" or state.startswith("fault") else "yellow"
+    with Live(auto_refresh=False, screen=True) as screen:
+        while True:
+            screen.update(Text(text(client, monitor, seats)), refresh=True)
+            time.sleep(REFRESH_S)

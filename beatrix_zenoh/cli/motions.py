@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import itertools
-import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
@@ -58,7 +57,6 @@ Lead = Annotated[
         "prevents its start.",
     ),
 ]
-COUNT_S = 1.0
 
 
 def look(
@@ -169,42 +167,28 @@ def begin_detached(robot: Robot, query: MotionQuery | PoseQuery) -> str:
         return detached.begin(query).accepted.message
 
 
-MOVES = {
-    (False, False): "Both move now, the simulation first.",
-    (True, False): "Only the hardware moves now: the simulation is there already.",
-    (False, True): "Only the simulation moves now: the hardware is there already.",
-    (True, True): "Both are there already.",
-}
-"""What the user reads, by whether simulation and hardware stand at the end of the path already."""
-
-
 def commit(targets: Targets, query: MotionQuery | PoseQuery, lead_s: float) -> None:
     """Preview the motion on a copy of the simulation, print the result, then carry the motion out on both robots."""
-    settings = targets.client.settings
-    with Twin(targets.name, connect=settings.connect, who=settings.who) as twin:
+    with twin_of(targets) as twin:
         plan = twin.preview_query(structs.replace(query, source=Source.CLI))
-        twin.check_ready()  # raises before the note below says what moves
+        note(f"Preview: {plan.verdict}")
         if lead_s:
-            note(f"Preview: {plan.verdict} The simulation moves now.")
             count_down(plan, lead_s)
         else:
-            note(f"Preview: {plan.verdict} {MOVES[plan.stands_at_end('sim'), plan.stands_at_end('hw')]}")
             plan.commit()
 
 
+def twin_of(targets: Targets) -> Twin:
+    """Return both robots selected, with sessions of their own."""
+    settings = targets.client.settings
+    return Twin(targets.name, connect=settings.connect, who=settings.who)
+
+
 def count_down(plan: Plan, lead_s: float) -> None:
-    """Carry out a plan with a lead, and print the remaining lead each second; Ctrl-C cancels the motion."""
+    """Carry out a plan with a lead; Ctrl-C cancels the motion."""
     motion = plan.commit(lead_s, wait=False)
+    note(f"The hardware moves in {lead_s:g} s, unless you press Ctrl-C before then.")
     try:
-        while not (motion.hardware_sent or motion.done()):
-            left_s = motion.countdown_s
-            if left_s > 0:
-                note(f"The hardware moves in {left_s:.1f} s, unless you press Ctrl-C before then.")
-            next_s = left_s - COUNT_S * (math.ceil(left_s / COUNT_S) - 1)
-            with contextlib.suppress(TimeoutError):
-                motion.exception(max(0.05, next_s))
-        if motion.hardware_sent:
-            note("The hardware moves now.")
         motion.result()
     except KeyboardInterrupt as interrupt:
         raise KeyboardInterrupt(cancelled(motion)) from interrupt
@@ -268,7 +252,8 @@ def play(
         check(found, robots)
         with stop_on_interrupt(robots, as_json=as_json):
             if len(robots) > 1:
-                play_both(targets, found, lead, lockstep=lockstep)
+                with twin_of(targets) as twin:
+                    perform(twin, found, progress(found), lead_s=lead, lockstep=lockstep)
             else:
                 perform(robots[0], found, progress(found))
         show_positions(robots, as_json=as_json)
@@ -283,13 +268,6 @@ def check(found: Choreography, robots: list[Robot]) -> None:
         note(f"Checking {len(found.steps)} poses.")
     for robot in robots_of([robot.info() for robot in robots]):
         check_choreography(found, robot)
-
-
-def play_both(targets: Targets, found: Choreography, lead: float, *, lockstep: bool) -> None:
-    """Play the choreography on both robots; each pose is previewed first."""
-    settings = targets.client.settings
-    with Twin(targets.name, connect=settings.connect, who=settings.who) as twin:
-        perform(twin, found, progress(found), lead_s=lead, lockstep=lockstep)
 
 
 def progress(found: Choreography) -> Callable[[str, Step], None]:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Container, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from importlib import metadata
 from pathlib import Path
 from typing import Annotated
@@ -12,18 +11,19 @@ from typing import Annotated
 import typer
 
 from beatrix_zenoh import bus as zbus
+from beatrix_zenoh.cli.listing import show
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.contract._generated.messages import Reason, Status
+from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import SIDE_TITLES
 from beatrix_zenoh.motion.robot_file import load
-from beatrix_zenoh.output import columns, print_json, say
-from beatrix_zenoh.processes import Child, Role, Supervisor, advice, end_on_interrupt, start_router, watch
+from beatrix_zenoh.output import print_json, say
+from beatrix_zenoh.processes import Role, Supervisor, advice, end_on_interrupt, start_router, watch
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT, Settings, resolve
 from beatrix_zenoh.shutdown import Shutdown, signals_interrupt
 from beatrix_zenoh.terminal.options import Connect, Json, Legacy, LogFile, OwnName, RobotFile
 from beatrix_zenoh.terminal.run import install, missing
-from beatrix_zenoh.terminal.states import look_up, problems, state
+from beatrix_zenoh.terminal.states import ListedRobot, look_up, problems
 
 PROCESSES = "beatrix.processes"
 """Group of entry points of the programs in sim_node, hw_node and gui, which this package must not import."""
@@ -126,37 +126,8 @@ def run(process: str, arguments: list[str]) -> int:
     return code
 
 
-WINDOW = "window"
-FIRST = ("enable", "calibrate")
-NEXT = ("look --yaw 20", "top", "stop")
-BOTH = " --on both"
-
-
-@dataclass(frozen=True)
-class UpOptions:
-    """Options of `beatrix up`: the processes to start, and the arguments of each."""
-
-    served: Mapping[str, str]
-    """the sides to serve, each with its place: MuJoCo, or the port of the board"""
-    ready: bool
-    legacy: Path | None
-    robot_file: Path | None
-    log_file: Path | None
-    target: str | None
-    window: bool
-
-    def arguments(self, side: str) -> list[str]:
-        """Return the arguments of the process of one side."""
-        words = ["--port", self.served[side]] if side == "hw" else ["--ready"] * self.ready
-        if side == "sim" and self.target is not None:
-            words += ["--target", self.target]
-        if self.robot_file is not None:
-            words += ["--robot-file", str(self.robot_file)]
-        if self.legacy is not None and side == legacy_side(self.served):
-            words += ["--legacy", str(self.legacy)]
-        if self.log_file is not None:
-            words += ["--log-file", str(log_of(self.log_file, side))]
-        return words
+TITLES = {"gui": "window", **SIDE_TITLES}
+"""The titles of the programs that `up` starts, by their verbs."""
 
 
 def up(
@@ -202,122 +173,72 @@ def up(
             "--ready is for the simulation. On a robot use enable and calibrate, within sight of it."
         )
     load(robot_file)  # raises before any process starts
-    places = {"sim": None if no_sim else "MuJoCo", "hw": hw}
-    served = {side: place for side, place in places.items() if place is not None}
-    options = UpOptions(served, ready, legacy, robot_file, log_file, target, gui)
+    sides = [*([] if no_sim else ["sim"]), *([] if hw is None else ["hw"])]
+    programs = {side: given("--robot-file", robot_file) + log_words(log_file, side) for side in sides}
+    programs[sides[-1]] += given("--legacy", legacy)
+    if not no_sim:
+        programs["sim"] += ["--ready"] * ready + given("--target", target)
+    if hw is not None:
+        programs["hw"] += ["--port", hw]
     with signals_interrupt() as shutdown, Supervisor() as supervisor:
         router = start_router(supervisor, settings.connect, settings.account)
-        start_robots(supervisor, settings, options)
-        report(supervisor, settings, options, router, shutdown, as_json=as_json)
+        start_programs(supervisor, settings, {**({"gui": []} if gui else {}), **programs})
+        with Client(settings, announce=False) as client:
+            found = look_up(client)
+        supervisor.new_lines()  # discards the output so far: the table shows the state and the warnings
+        with end_on_interrupt():
+            if as_json:
+                show_json(supervisor, settings, found)
+            else:
+                say(f"router {settings.connect}: {router}")
+                show(found)
+                if legacy is not None:
+                    say(f"Programs of 2023 open {legacy.absolute()} and drive the {TITLES[sides[-1]]}.")
+                say(advice(settings.connect, verbs(settings.robot, found), supervisor.folder))
+            watch(supervisor, shutdown)
 
 
-def start_robots(supervisor: Supervisor, settings: Settings, options: UpOptions) -> None:
-    """Start simulation, robot and window, and wait until they are ready.
+def given(option: str, value: object) -> list[str]:
+    """Return an option and its value as arguments of a program; nothing if the value is None."""
+    return [] if value is None else [option, str(value)]
 
-    The window is started first, because it ends after the robots.
-    """
-    where = ("--name", settings.robot, "--connect", settings.connect)
-    if options.window:
-        open_window(supervisor, settings)
-    for side in options.served:
-        supervisor.start(SIDE_TITLES[side], side, *where, *options.arguments(side), role=Role.ROBOT)
+
+def log_words(log_file: Path | None, side: str) -> list[str]:
+    """Return the option with the log file of one side: `day-sim.log` for `day.log`."""
+    return [] if log_file is None else ["--log-file", str(log_file.with_stem(f"{log_file.stem}-{side}"))]
+
+
+def start_programs(supervisor: Supervisor, settings: Settings, programs: Mapping[str, Sequence[str]]) -> None:
+    """Start programs by their verbs, each with its arguments, and wait until they are ready; the last one ends first."""
+    for verb, words in programs.items():
+        role = Role.WINDOW if verb == "gui" else Role.ROBOT
+        where = ("--name", settings.robot, "--connect", settings.connect)
+        supervisor.start(TITLES[verb], verb, *where, *words, role=role)
     supervisor.wait_ready()
 
 
-def report(
-    supervisor: Supervisor,
-    settings: Settings,
-    options: UpOptions,
-    router: str,
-    shutdown: Shutdown,
-    *,
-    as_json: bool,
-) -> None:
-    """Print the running processes, then their output until Ctrl-C; raises Refused if the router ends."""
-    with Client(settings, announce=False) as client:
-        found = {robot.place: robot.status for robot in look_up(client)}
-        supervisor.new_lines()  # discards the output so far: the table shows the state and the warnings
-    running = {child.title for child in supervisor.children}
-    own = {side: found.get((settings.robot, side)) for side in options.served if SIDE_TITLES[side] in running}
-    with end_on_interrupt():
-        if as_json:
-            show_json(supervisor, settings, options, own)
-        else:
-            show(settings, options, router, own, window=WINDOW in running)
-            others = any(robot != settings.robot for robot, _ in found)
-            by_name = f" --name {settings.robot}" if others else ""
-            say(advice(settings.connect, verbs(by_name, own), supervisor.folder))
-        watch(supervisor, shutdown)
-
-
-def legacy_side(sides: Container[str]) -> str:
-    """Return the side that programs of 2023 drive: the hardware if it is served, otherwise the simulation."""
-    return "hw" if "hw" in sides else "sim"
-
-
-def log_of(log_file: Path, side: str) -> Path:
-    """Return the log file of one side: `day-sim.log` for `day.log`."""
-    return log_file.with_name(f"{log_file.stem}-{side}{log_file.suffix}")
-
-
-def show_json(
-    supervisor: Supervisor, settings: Settings, options: UpOptions, own: Mapping[str, Status | None]
-) -> None:
+def show_json(supervisor: Supervisor, settings: Settings, found: Sequence[ListedRobot]) -> None:
     """Print the running processes and the warnings as JSON."""
-    legacy = None if options.legacy is None else str(options.legacy.absolute())
     print_json({
         "result": True,
         "endpoint": settings.connect,
         "robot": settings.robot,
         "running": [child.title for child in supervisor.children],
-        "legacy": None if legacy is None else {"path": legacy, "side": legacy_side(own)},
-        "warnings": warnings(own),
+        "warnings": [f"{robot}: {' '.join(text)}" for robot in found if (text := problems(robot.status))],
         "logs": str(supervisor.folder),
     })  # fmt: skip
 
 
-def show(
-    settings: Settings, options: UpOptions, router: str, own: Mapping[str, Status | None], *, window: bool
-) -> None:
-    """Print a table of the running processes, and the warnings below it."""
-    rows = [("router", "", settings.connect, router)]
-    for side, status in own.items():
-        text = "does not answer" if status is None else state(status)
-        rows.append((SIDE_TITLES[side], settings.robot, options.served[side], text))
-    if window:
-        rows.append((WINDOW, settings.robot, "this screen", "open"))
-    say(columns(("what", "name", "where", "state"), rows))
-    for line in warnings(own):
-        say(line)
-    if options.legacy is not None:
-        say(
-            f"Programs of 2023 open {options.legacy.absolute()} and drive the {SIDE_TITLES[legacy_side(own)]}."
-        )
-
-
-def warnings(own: Mapping[str, Status | None]) -> list[str]:
-    """Return faults and warnings, a line for each robot that has any."""
-    return [
-        f"{SIDE_TITLES[side]}: {' '.join(found)}"
-        for side, status in own.items()
-        if (found := problems(status))
-    ]
-
-
-def verbs(by_name: str, own: Mapping[str, Status | None]) -> list[str]:
-    """Return the commands to type next.
+def verbs(name: str, found: Sequence[ListedRobot]) -> list[str]:
+    """Return the commands to type next to the robot of this name, if these robots are online.
 
     `enable` and `calibrate` are only for robots that are not known to be calibrated, because `calibrate` declares the
     present position home.
     """
-    uncalibrated = [side for side, status in own.items() if status is None or not status.calibrated]
-    one = f" --on {uncalibrated[0]}" if len(uncalibrated) == 1 < len(own) else ""
-    both = BOTH if len(own) > 1 else ""
-    first = [verb + by_name + (one or both) for verb in FIRST if uncalibrated]
-    return [*first, NEXT[0] + by_name + both, NEXT[1], NEXT[2] + by_name]
-
-
-def open_window(supervisor: Supervisor, settings: Settings) -> Child:
-    """Start a window that shows one robot; wait for it with `wait_ready`."""
-    where = ("--name", settings.robot, "--connect", settings.connect)
-    return supervisor.start(WINDOW, "gui", *where, role=Role.WINDOW)
+    own = [robot for robot in found if robot.place[0] == name]
+    by_name = f" --name {name}" if len(own) < len(found) else ""
+    both = " --on both" if len(own) > 1 else ""
+    new = [robot.place[1] for robot in own if robot.status is None or not robot.status.calibrated]
+    on = both if len(new) == len(own) else f" --on {new[0]}" if new else ""
+    first = [f"enable{by_name}{on}", f"calibrate{by_name}{on}"] if new else []
+    return [*first, f"look --yaw 20{by_name}{both}", "top", f"stop{by_name}"]

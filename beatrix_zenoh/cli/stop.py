@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import contextlib
-import itertools
 import time
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Sequence
 from typing import Annotated, NamedTuple
 
 import typer
@@ -78,12 +76,24 @@ def stop(
         show(wrong_names, as_json=as_json)
     sides = {*(on or ())}
     side = "sim" if sides == {Which.SIM} else "hw" if sides == {Which.HW} else ALL
-    with noting(wrong_settings):
+    try:
         answers, present = send(settings, asked, side, emergency=emergency)
+    finally:
+        for error in wrong_settings:
+            note(error.message)
     if not (answers or wrong_names):
         raise nothing_to_stop(settings.connect, asked, present)
     missing = absent(asked, side, answers, present, settings.connect)
-    show([*itertools.starmap(outcome_of, answers.items()), *missing, *wrong_names], as_json=as_json)
+    found = [
+        StopOutcome(
+            *place,
+            answer.reason,
+            answer.message,
+            exit_code(answer.reason) if isinstance(answer, BeatrixError) else 0,
+        )
+        for place, answer in answers.items()
+    ]
+    show([*found, *missing, *wrong_names], as_json=as_json)
 
 
 def send(
@@ -118,31 +128,14 @@ def _send(
         sent = [SentGroupStop(client, (robot, side), emergency=emergency) for robot in asked]
         present = client.robots()  # after STOP is sent, but before a node that hangs loses its token
         found = [place for place in present if any(matches((robot, side), place) for robot in asked)]
-        if emergency:
-            sent = [*stop_simulations(client, asked, side), *sent, *emergency_by_name(client, found)]
+        if (
+            emergency
+        ):  # the router of a class forwards none of a student to simulations of others, or with wildcards
+            simulations = [] if side == "hw" else [SentGroupStop(client, (robot, "sim")) for robot in asked]
+            sent = [*simulations, *sent, *(SentGroupStop(client, place, emergency=True) for place in found)]
         answers = {place: answer for stop in sent for place, answer in stop.replies().items()}
         answers |= silences(client.bus, [place for place in found if place not in answers])
         return answers, present
-
-
-def stop_simulations(client: Client, asked: Sequence[str], side: str) -> list[SentGroupStop]:
-    """Send STOP to simulations, because the router of a class forwards no EMERGENCY_STOP to those of other seats."""
-    return [] if side == "hw" else [SentGroupStop(client, (robot, "sim")) for robot in asked]
-
-
-def emergency_by_name(client: Client, places: Sequence[Place]) -> list[SentGroupStop]:
-    """Send EMERGENCY_STOP to each robot by name: the router of a class does not forward a student's with wildcards."""
-    return [SentGroupStop(client, place, emergency=True) for place in places]
-
-
-@contextlib.contextmanager
-def noting(errors: Sequence[WrongUsage]) -> Iterator[None]:
-    """Print the errors at the end of the block, so that STOP is sent first."""
-    try:
-        yield
-    finally:
-        for error in errors:
-            note(error.message)
 
 
 def check_names(robots: Sequence[str]) -> tuple[list[str], list[StopOutcome]]:
@@ -165,12 +158,6 @@ def nothing_to_stop(endpoint: str, asked: Sequence[str], present: Sequence[Place
         Reason.NO_ANSWER if Reason.NO_ANSWER in reasons else Reason.NO_SUCH_ROBOT,
         f"Nothing to stop: no such robot at {endpoint}. Online: {found or 'no robot'}.{hint} " + IF_IT_MOVES,
     )
-
-
-def outcome_of(place: Place, answer: Answer) -> StopOutcome:
-    """Return the outcome of a robot."""
-    code = exit_code(answer.reason) if isinstance(answer, BeatrixError) else 0
-    return StopOutcome(*place, answer.reason, answer.message, code)
 
 
 def absent(

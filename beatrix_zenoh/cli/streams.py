@@ -6,7 +6,7 @@ import itertools
 import re
 import statistics
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from enum import StrEnum
 from typing import Annotated, NamedTuple, Protocol, TypeVar, cast
@@ -14,9 +14,7 @@ from typing import Annotated, NamedTuple, Protocol, TypeVar, cast
 import msgspec
 import typer
 
-from beatrix_zenoh.client import subscription
 from beatrix_zenoh.client.degrees import reading
-from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.robot_base import clock_offsets
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.subscription import (
@@ -40,7 +38,7 @@ from beatrix_zenoh.contract.values import as_data, values
 from beatrix_zenoh.output import columns, print_json, say
 from beatrix_zenoh.terminal.options import Connect, Json, Name, On, Who, finite
 from beatrix_zenoh.terminal.states import problems, state, state_row
-from beatrix_zenoh.terminal.targets import Selection, Targets, degrees, open_targets
+from beatrix_zenoh.terminal.targets import Selection, degrees, open_targets
 
 T = TypeVar("T")
 BASE = "beatrix/{robot}/{side}/state/"
@@ -93,7 +91,9 @@ def subscribe(client: Client, name: str, robot: str, side: str) -> Subscription[
         message(kind, same) if plain else lambda _, sample: client.read(sample.header, kind)
     )
     key = row.key.format(robot=robot, side=side)
-    timeout_s, bus = (FIRST_PICTURE_S, client.media) if media else (SILENCE_S, None)
+    timeout_s, bus = (
+        (FIRST_PICTURE_S, client.media) if media else (None if name == EVENTS else SILENCE_S, None)
+    )
     return Subscription(client, key, read, timeout_s=timeout_s, bus=bus)
 
 
@@ -123,56 +123,45 @@ def echo(
         robots = targets.robots()
         for robot in robots:
             robot.status()  # raises NoAnswer for a robot that is not online
+        side = targets.sides[0] if len(robots) == 1 else "*"
+        arrivals = subscribe(targets.client, stream.value, targets.name, side).arrivals()
+        past: list[tuple[Place, object]] = []
         if stream == EVENTS:
-            past = count or PAST
-            for place, event in limited(follow_events(robots, past), count):
-                show_event(place, event, as_json=as_json)
-            return
-        arrivals = subscribe(targets.client, stream.value, targets.name, side_key(targets)).arrivals()
-        for arrival in limited(arrivals, count):
-            show(arrival, as_json=as_json)
+            events = [(robot.place, event) for robot in robots for event in robot.past_events()]
+            past += sorted(events, key=lambda row: row[1].t_wall_ns)[-(count or PAST) :]
+        known = [event for _, event in past]  # one that is published during the query arrives twice
+        coming = (((one.robot, one.side), one.value) for one in arrivals if one.value not in known)
+        for place, value in itertools.islice(itertools.chain(past, coming), count or None):
+            show(place, value, as_json=as_json)
 
 
-def side_key(targets: Targets) -> str:
-    """Return the side to subscribe to: the one selected, or `*` for both."""
-    return targets.sides[0] if len(targets.sides) == 1 else "*"
-
-
-def limited(messages: Iterable[T], count: int) -> Iterator[T]:
-    """Return the first `count` messages; all messages if `count` is 0."""
-    return itertools.islice(messages, count or None)
-
-
-def show(arrival: Arrival[object], *, as_json: bool) -> None:
-    """Print a message on one line: positions, status and pictures in words of their own, others as their values."""
+def show(place: Place, value: object, *, as_json: bool) -> None:
+    """Print a message on one line: events, positions, status, pictures in words of their own, others as their values."""
     data: Mapping[str, object]
-    match arrival.value:
+    robot = "{} ({})".format(*place)
+    match value:
+        case Event() as event:  # as data its angles are in rad
+            words, data = event_line(place, event), msgspec.to_builtins(event)
         case Positions() as positions:
             now = reading(positions)
-            words, data = str(now), {**degrees(now), "seq": positions.seq, "t_s": round(now.t, 6)}
+            words, data = f"{robot}  {now}", {**degrees(now), "seq": positions.seq, "t_s": round(now.t, 6)}
         case Status() as status:
-            words = "; ".join([state(status), f"driver {status.holder or '-'}", *problems(status)])
+            words = f"{robot}  " + "; ".join(
+                [state(status), f"driver {status.holder or '-'}", *problems(status)]
+            )
             data = state_row(status)
         case CameraImage() as image:
             header = {name: value for name, value in asdict(image).items() if name != "jpeg"}
-            words, data = str(image), {**header, "bytes": len(image.jpeg)}
+            words, data = f"{robot}  {image}", {**header, "bytes": len(image.jpeg)}
         case msgspec.Struct() as message:
-            words = ", ".join(f"{value.title} {value.text()}" for value in values(message))
+            words = f"{robot}  " + ", ".join(f"{one.title} {one.text()}" for one in values(message))
             data = as_data(message)
         case _:
             return
     if as_json:
-        print_json({"robot": arrival.robot, "side": arrival.side, **data})
+        print_json({"robot": place[0], "side": place[1], **data})
     else:
-        say(f"{arrival.robot} ({arrival.side})  {words}")
-
-
-def show_event(place: Place, event: Event, *, as_json: bool) -> None:
-    """Print an event on one line; the JSON document has the fields of the message, angles in rad."""
-    if as_json:
-        print_json({"robot": place[0], "side": place[1], **msgspec.to_builtins(event)})
-    else:
-        say(event_line(place, event))
+        say(words)
 
 
 def event_line(place: Place, event: Event) -> str:
@@ -180,38 +169,6 @@ def event_line(place: Place, event: Event) -> str:
     clock = time.strftime("%H:%M:%S", time.localtime(event.t_wall_ns / 1e9))
     milliseconds = event.t_wall_ns // 1_000_000 % 1000
     return f"{clock}.{milliseconds:03d}  {place[0]} ({place[1]})  {sentence(event)}"
-
-
-def follow_events(robots: Sequence[Robot], past: int) -> Iterator[tuple[Place, Event]]:
-    """Yield the last `past` events of robots of one name, oldest first, then each new event.
-
-    Args:
-        robots: simulation, hardware or both, of one client.
-        past: number of earlier events to begin with.
-
-    Raises:
-        NoAnswer: a robot is not online, or is lost meanwhile.
-    """
-    first = robots[0]
-    side = first.side if len(robots) == 1 else "*"
-    with subscription.events(first.client, first.name, side, timeout_s=subscription.SILENCE_S) as coming:
-        before = [(robot.place, event) for robot in robots for event in robot.past_events()]
-        # An event that is published during the query for past events arrives twice; `known` drops the second.
-        known = {(place, event.t_mono_ns, event.seq) for place, event in before}
-        before.sort(key=lambda row: row[1].t_wall_ns)
-        yield from before[max(0, len(before) - past) :]
-        while True:
-            try:
-                arrival = coming.next_arrival()
-            except NoAnswer as error:
-                if error.reason is not Reason.TIMED_OUT:
-                    raise
-                for robot in robots:  # `status` raises NoAnswer if the robot is lost
-                    robot.status()
-                continue
-            place = arrival.robot, arrival.side
-            if (place, arrival.value.t_mono_ns, arrival.value.seq) not in known:
-                yield place, arrival.value
 
 
 TAKE_S = 0.5
@@ -274,16 +231,7 @@ def hz(
         ]
         print_json({"result": True, "robots": rows})
     else:
-        show_rates(
-            {str(robot): found for robot, found in rates.items()},
-            plural(stream.value),
-        )
-
-
-def plural(stream: str) -> str:
-    """Return what a stream consists of, in the plural."""
-    words = {POSITIONS: "positions", "microphones": "blocks"}
-    return words.get(stream, "pictures" if stream.startswith(CAMERA) else "messages")
+        show_rates({str(robot): found for robot, found in rates.items()})
 
 
 def rate(arrivals: Sequence[Arrival[Numbered]], offset_s: float) -> Rate:
@@ -310,24 +258,15 @@ def rate(arrivals: Sequence[Arrival[Numbered]], offset_s: float) -> Rate:
     )
 
 
-def show_rates(rates: Mapping[str, Rate], what: str) -> None:
+def show_rates(rates: Mapping[str, Rate]) -> None:
     """Print a table and the meaning of its columns."""
-    heads = ("robot", f"{what}/s", "sd of period ms", "longest period ms", "age ms", "lost")
     rows = [
-        (
-            robot,
-            f"{r.hz:.2f}",
-            f"{r.period_sd_ms:.2f}",
-            f"{r.longest_ms:.1f}",
-            f"{r.age_ms:.2f}",
-            "?" if r.lost is None else str(r.lost),
-        )
-        for robot, r in rates.items()
+        (robot, *("?" if value is None else str(value) for value in found)) for robot, found in rates.items()
     ]
-    say(columns(heads, rows))
+    say(columns(("robot", *Rate._fields), rows))
     say("age: median time from the robot's time stamp to the arrival; lost: gaps in the sequence numbers")
-    for robot in (robot for robot, r in rates.items() if r.lost is None):
+    if any(found.lost is None for found in rates.values()):
         say(
-            f"{robot}: the sequence numbers of its {what} decrease, so losses are unknown. The robot was restarted, or "
-            "a second program publishes on its key: end that program."
+            "lost ?: the sequence numbers decrease, so losses are unknown. The robot was restarted, or a second program "
+            "publishes on its key: end that program."
         )

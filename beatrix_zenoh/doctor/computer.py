@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import contextlib
-import ctypes.util
 import importlib.util
 import os
 import platform
 import re
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from importlib import metadata
-from importlib.machinery import PathFinder
 from pathlib import Path
 
 from beatrix_zenoh import hiding
@@ -39,12 +36,13 @@ PROBE_S = 45.0
 
 
 def this_computer() -> Iterator[CheckResult]:
-    """Yield the findings of all checks that need no network, except `graphics_probe`."""
+    """Yield the findings of all checks that need no network."""
     yield CheckResult("Python", f"{platform.python_version()} on {platform.system()} {platform.machine()}")
     yield from packages()
     yield from hidden_modules()
     yield from serial_ports()
     yield from cameras()
+    yield graphics()
 
 
 def packages() -> Iterator[CheckResult]:
@@ -68,16 +66,16 @@ def packages() -> Iterator[CheckResult]:
     for extra, lines in needs.items():
         found = {name: version(name) for name in lines}
         missing = [name for name, number in found.items() if number is None]
-        title = f"extra {extra}" if extra else "core"
-        present = ", ".join(f"{name} {number}" for name, number in found.items() if number)
         wrong = [
             bounds(lines[name]) for name, number in found.items() if number and not suits(number, lines[name])
         ]
+        title = f"extra {extra}" if extra else "core"
+        present = ", ".join(f"{name} {number}" for name, number in found.items() if number)
         install = f'pip install "{f".[{extra}]" if extra else "."}" in the folder of BEATRIX'
-        if missing:
-            yield CheckResult(title, f"without {', '.join(missing)}", advice=f"if you need it: {install}")
-        elif wrong:
+        if wrong:
             yield CheckResult(title, present, f"it needs {', '.join(wrong)}: {install}")
+        elif missing:
+            yield CheckResult(title, f"without {', '.join(missing)}", advice=f"if you need it: {install}")
         else:
             yield CheckResult(title, present)
 
@@ -97,7 +95,6 @@ def hidden_modules() -> Iterator[CheckResult]:
         for package, owners in metadata.packages_distributions().items()
         if needed.intersection(map(distribution, owners))
     }
-    broken = {name: why for name in sorted(packages) if (why := broken_copy(name, first))}
     first = ["", *first]
     found = hiding.hidden({*hiding.loaded(), *packages, *hiding.OURS}, first, later)
     for name, file in sorted(found.items()):
@@ -105,66 +102,37 @@ def hidden_modules() -> Iterator[CheckResult]:
     unfit = misfits(first)
     for name, texts in unfit.items():
         yield CheckResult(f"package {name}", *texts)
-    for name in broken.keys() - found.keys() - unfit.keys():
-        yield CheckResult(f"package {name}", "cannot be imported", broken[name])
-    if not found and not unfit and not broken:
+    if not found and not unfit:
         yield CheckResult("hidden modules", "none")
 
 
-def broken_copy(name: str, first: list[str]) -> str:
-    """Return why the package of this name in one of the folders cannot be imported; empty: it can, or none has it."""
-    if PathFinder.find_spec(name, first) is None:
-        return ""
-    try:
-        importlib.import_module(name)
-    except Exception as error:  # noqa: BLE001 - a package for another Python may raise anything
-        return hiding.cause(error)
-    return ""
+def graphics() -> CheckResult:
+    """Return a finding about OpenGL, which draws the pictures of simulated eyes.
 
-
-@contextlib.contextmanager
-def graphics_probe() -> Iterator[Callable[[], CheckResult]]:
-    """Start a subprocess that draws with OpenGL, if MuJoCo is installed; yield a function that returns the finding.
-
-    A broken driver would hang or crash this process, hence a subprocess. The other checks run during the half second
-    that the import of MuJoCo takes.
+    A broken driver would hang or crash this process, so a subprocess draws.
     """
     if importlib.util.find_spec("mujoco") is None:
-        yield lambda: CheckResult(
+        return CheckResult(
             "graphics", "not checked: only simulations draw, and the extra sim is not installed"
         )
-        return
     command = [sys.executable, "-P", "-c", PROBE]
-    with subprocess.Popen(
-        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    ) as child:
-        try:
-            yield lambda: graphics(child)
-        finally:
-            child.kill()
-
-
-def graphics(child: subprocess.Popen[str]) -> CheckResult:
-    """Return a finding about OpenGL, which draws the pictures of simulated eyes, from the output of PROBE."""
     try:
-        name, why = (text.strip() for text in child.communicate(timeout=PROBE_S))
+        done = subprocess.run(command, capture_output=True, text=True, timeout=PROBE_S, check=False)
     except subprocess.TimeoutExpired:
-        name, why = "", ""
-    if child.returncode not in (0, None):
+        done = subprocess.CompletedProcess(command, 0, "", "")
+    if done.returncode:
         return CheckResult(
             "graphics",
             "not checked: the package sim_node does not start",
-            advice=why.rpartition("\n")[2] or 'pip install ".[sim]" in the folder of BEATRIX',
+            advice=done.stderr.strip().rpartition("\n")[2] or 'pip install ".[sim]" in the folder of BEATRIX',
         )
-    if name:
+    if name := done.stdout.strip():
         return CheckResult("graphics", f"OpenGL works ({name})")
-    missing = sys.platform == "linux" and not any(map(ctypes.util.find_library, ("EGL", "OSMesa")))
     return CheckResult(
         "graphics",
         "OpenGL does not work: simulations draw the pictures of the eyes by ray casting, at a lower resolution",
-        advice="for full resolution: apt install libegl1 libgl1-mesa-dri"
-        if missing
-        else "for full resolution: update the graphics driver, and unset MUJOCO_GL if it is set",
+        advice="for full resolution: on Linux apt install libegl1 libgl1-mesa-dri, or update the graphics driver; unset "
+        "MUJOCO_GL if it is set",
     )
 
 

@@ -6,7 +6,7 @@ The questions of --jog go to stderr, so that stdout contains only the result.
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Annotated, NamedTuple, TypeVar
 
 import typer
@@ -15,10 +15,9 @@ from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ALLOWED, ROBOT
-from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
+from beatrix_zenoh.contract.errors import Refused, WrongUsage
 from beatrix_zenoh.doctor.checks import CheckResult, network
-from beatrix_zenoh.doctor.computer import graphics_probe, this_computer
-from beatrix_zenoh.motion.robot_file import fingerprint
+from beatrix_zenoh.doctor.computer import this_computer
 from beatrix_zenoh.output import FAILED, note, print_json, say
 from beatrix_zenoh.settings import resolve
 from beatrix_zenoh.terminal.options import Connect, Json, Name, Which, Who
@@ -42,11 +41,7 @@ def doctor(
         jog(Selection(name, connect, who), as_json=as_json)
         return
     settings = resolve(None, connect, who)
-    with graphics_probe() as graphics:  # it runs in a process of its own during the checks
-        sections = [
-            (settings.connect, made("router and robots", network(settings, name))),
-            ("this computer", [*made("this computer", this_computer()), graphics()]),
-        ]
+    sections = [(settings.connect, [*network(settings, name)]), ("this computer", [*this_computer()])]
     findings = [finding for _, section in sections for finding in section]
     wrong = [finding for finding in findings if finding.todo]
     if as_json:
@@ -56,19 +51,6 @@ def doctor(
         say("\nNo problems found." if not wrong else f"\n{len(wrong)} to do: see the lines that begin with !")
     if wrong:
         raise typer.Exit(FAILED)
-
-
-def made(what: str, checks: Iterator[CheckResult]) -> list[CheckResult]:
-    """Return the findings of checks; an unexpected error becomes the last finding, so that the others are shown."""
-    findings: list[CheckResult] = []
-    try:
-        findings.extend(checks)  # keeps the findings before an error
-    except BeatrixError:
-        raise
-    except Exception as error:  # noqa: BLE001  # a broken installation may raise anything
-        text = f"the check ended with {type(error).__name__}: {error}"
-        findings.append(CheckResult(what, text, "install BEATRIX again; if this remains, report it as a bug"))
-    return findings
 
 
 def show(sections: list[tuple[str, list[CheckResult]]]) -> None:
@@ -93,11 +75,6 @@ DIRECTION_ANSWERS = {
 """Each answer, and whether it means counter-clockwise."""
 PREPARE = "`beatrix enable --on hw`, `beatrix calibrate --on hw`"
 AGAIN = f"Then type {PREPARE}, and repeat `beatrix doctor --jog`."
-NO_ARM = (
-    "No arm turned. Is the motor power on? USB powers only the board, not the motors. If it is on, switch it off "
-    "and check that drivers and motors are plugged in as docs/how-to/board.md shows."
-)
-
 T = TypeVar("T")
 
 
@@ -135,10 +112,9 @@ def jog(selection: Selection, *, as_json: bool) -> None:
             seen = [observe(robot, index) for index in range(len(ARMS))]
             todo = replug(seen)
             if not todo:
-                info = robot.info()
-                shape = info.geometry
+                shape = robot.info().geometry
                 known = ROBOT.geometry.arm0_azimuth if shape is None else shape.arm0_azimuth
-                todo = describe(ask_azimuth(known), known, as_shipped=info.fingerprint == fingerprint(ROBOT))
+                todo = describe(ask_azimuth(known), known)
     if as_json:
         print_json({"result": not todo, "todo": todo})
     else:
@@ -207,47 +183,31 @@ def replug(seen: list[Observation]) -> list[str]:
         Refused: the user named an arm twice.
     """
     turned = [arm for arm, _ in seen if arm is not None]
-    if not turned:
-        return [NO_ARM, AGAIN]
     if len(set(turned)) < len(turned):
         raise Refused(
             Reason.BAD_VALUE,
             f"You saw {', '.join(turned)}: each arm turns once. Repeat the command, and type none if no arm turns.",
         )
-    unseen = [arm for arm in ARMS if arm not in turned]
-    misplaced = [arm for arm in unseen if seen[ARMS.index(arm)].arm is not None]
-    advice = [
-        missing(plug, due if due in unseen else misplaced.pop(0))
-        if arm is None
-        else f"Move the motor of the {arm} arm from {plug} to {PLUGS[ARMS.index(arm)]}."
-        for plug, due, (arm, _) in zip(PLUGS, ARMS, seen, strict=True)
-        if arm != due
-    ]
-    advice += [
-        f"Reverse the plug of the {arm} arm's motor: it turns in the wrong direction."
-        for arm, counter_clockwise in seen
-        if not counter_clockwise
-    ]
+    advice = []
+    for plug, due, (arm, counter_clockwise) in zip(PLUGS, ARMS, seen, strict=True):
+        if arm is None:
+            advice.append(
+                f"No arm turned for {plug}, on which the {due} arm belongs: check the motor power (USB powers only the "
+                f"board), the plug of this motor, and the driver on {plug} and its reference voltage (docs/how-to/board.md)."
+            )
+        elif arm != due:
+            advice.append(f"Move the motor of the {arm} arm from {plug} to {PLUGS[ARMS.index(arm)]}.")
+        if not counter_clockwise:
+            advice.append(f"Reverse the plug of the {arm} arm's motor: it turns in the wrong direction.")
     return ["Switch the power off first.", *advice, AGAIN] if advice else []
 
 
-def missing(plug: str, arm: str) -> str:
-    """Return the checks to make if no arm turned for `plug`, and `arm` did not turn for any plug."""
-    return (
-        f"No arm turned for {plug}, and the {arm} arm did not turn: check that its motor is plugged in (it belongs on "
-        f"{PLUGS[ARMS.index(arm)]}), that the driver on {plug} is straight and the right way round, and that its reference "
-        "voltage is set (docs/how-to/board.md)."
-    )
-
-
-def describe(azimuth_deg: float, known_deg: float, *, as_shipped: bool) -> list[str]:
+def describe(azimuth_deg: float, known_deg: float) -> list[str]:
     """Return advice with the lines of a robot file; empty if the azimuths differ by less than JOG_DEG."""
     if abs((azimuth_deg - known_deg + 180) % 360 - 180) < JOG_DEG:
         return []
-    line = f"[geometry]\narm0_azimuth = {azimuth_deg:.1f}"
-    if as_shipped:
-        difference = "differently from the shipped robot. Write this into a file, and start"
-    else:
-        file = f"your robot file ({known_deg:.6g}°)"
-        difference = f"differently from {file}. Write this into that file, and restart"
-    return [f"Your arms are mounted {difference} hardware and simulation with --robot-file FILE:", line]
+    text = (
+        f"Your arms are mounted differently than the robot reports ({known_deg:.6g}°). Write this into your robot file, or "
+        "into a new one, and start hardware and simulation with --robot-file FILE:"
+    )
+    return [text, f"[geometry]\narm0_azimuth = {azimuth_deg:.1f}"]

@@ -18,7 +18,7 @@ from typing import Final
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import files, threads
-from beatrix_zenoh.bus import Bus, ProcessSessions, Sessions
+from beatrix_zenoh.bus import Bus, Sessions
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract.errors import NoAnswer, Refused, WrongUsage
@@ -84,7 +84,7 @@ def serve(
                 _check_free(names, sessions.control)
             for name in names:
                 if not shutdown.requested(0):
-                    own = Sessions(sessions) if alone else Sessions(sessions.connect, sessions)
+                    own = sessions if alone else Sessions(sessions.connect, sessions)
                     node = _open(own, build(name), name, robot, legacy, None if alone else robots.clock)
                     _begin(node, legacy, ready=ready)
                     robots.nodes[name] = node
@@ -145,7 +145,7 @@ def _open(
         return node
 
 
-def _connect(settings: Settings, names: Sequence[str], shutdown: Shutdown) -> ProcessSessions | None:
+def _connect(settings: Settings, names: Sequence[str], shutdown: Shutdown) -> Sessions | None:
     """Connect, waiting for the router if necessary; return None if a signal arrives first."""
     if settings.account is not None:
         for name in names:
@@ -154,9 +154,7 @@ def _connect(settings: Settings, names: Sequence[str], shutdown: Shutdown) -> Pr
     reported = False
     while True:
         try:
-            return ProcessSessions(
-                lambda: zbus.connect(settings.connect, label=label, account=settings.account)
-            )
+            return Sessions(lambda: zbus.connect(settings.connect, label=label, account=settings.account))
         except NoAnswer as error:
             if not reported:
                 print(f"{error.message} The node waits; Ctrl-C ends it.", file=sys.stderr, flush=True)

@@ -11,7 +11,6 @@ from collections.abc import Callable, Sequence
 from typing import cast
 
 import typer
-from typer.core import TyperOption
 
 from beatrix_zenoh import hiding
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -27,8 +26,6 @@ from beatrix_zenoh.output import (
 )
 from beatrix_zenoh.shutdown import INTERRUPTED
 
-EXTRA_ARGUMENT = "Got unexpected extra argument"
-"""The beginning of typer's message about a word without an option."""
 DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
 USAGE_ERROR = cast("type[typer.BadParameter]", typer.BadParameter.__base__)
 """Base class of all errors of typer about wrong usage; only its subclass BadParameter is public."""
@@ -58,7 +55,6 @@ def _invoke(app: typer.Typer, words: Sequence[str], program: str) -> int:
     as_json = "--json" in words  # read here, because typer may fail before it reads the option
     command = typer.main.get_command(app)
     try:
-        _check_repeated_options(command, words)
         with command.make_context(program, list(words)) as context:
             command.invoke(context)
     except typer.Exit as end:
@@ -66,7 +62,6 @@ def _invoke(app: typer.Typer, words: Sequence[str], program: str) -> int:
     except KeyboardInterrupt:
         return INTERRUPTED
     except USAGE_ERROR as error:
-        error.message = _with_value(command, words, _with_options(error))
         if as_json:
             print_failure(Reason.BAD_VALUE, error.format_message())
         else:
@@ -81,54 +76,6 @@ def _invoke(app: typer.Typer, words: Sequence[str], program: str) -> int:
             note(message)
         return USAGE if isinstance(error, WrongUsage) else exit_code(error.reason)
     return 0
-
-
-def _check_repeated_options(command: object, words: Sequence[str]) -> None:
-    """Raise BadParameter for an option with a value that is given twice: typer would silently use the last value."""
-    for option in _options(command, words):
-        if option.multiple or option.is_flag:
-            continue
-        given = [name for name in (word.partition("=")[0] for word in words) if name in option.opts]
-        if len(given) > 1:
-            raise typer.BadParameter(f"{given[0]} is given {len(given)} times: give it once.")
-
-
-def _options(command: object, words: Sequence[str]) -> list[TyperOption]:
-    """Return the options of the verb, which may be one of a group (`lesson check`)."""
-    verb = command
-    for word in words:
-        if word not in (inner := getattr(verb, "commands", {})):
-            break
-        verb = inner[word]
-    return [parameter for parameter in getattr(verb, "params", ()) if isinstance(parameter, TyperOption)]
-
-
-def _with_value(command: object, words: Sequence[str], message: str) -> str:
-    """Return the message; add the form of the value if an option has none (`export lesson.rrd --video`)."""
-    for option in _options(command, words):
-        name = max(option.opts, key=len)
-        if message == f"Option {name!r} requires an argument.":
-            form = (
-                option.metavar
-                or "|".join(map(str, getattr(option.type, "choices", ())))
-                or option.type.name.upper()
-            )
-            return f"Option {name!r} needs a value: {name} {form}."
-    return message
-
-
-def _with_options(error: typer.BadParameter) -> str:
-    """Return the message; add the options that take values if the option of a value is missing (`hw /dev/ttyACM0`)."""
-    if error.ctx is None or not error.message.startswith(EXTRA_ARGUMENT):
-        return error.message
-    named = [
-        max(parameter.opts, key=len)
-        for parameter in error.ctx.command.params
-        if parameter.param_type_name == "option" and not getattr(parameter, "is_flag", False)
-    ]
-    if not named:
-        return error.message
-    return f"{error.message}. A value follows the name of its option: {', '.join(named)}."
 
 
 def unwritten(error: OSError) -> int:

@@ -15,7 +15,6 @@ from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.contract import printable
 from beatrix_zenoh.contract._generated.messages import Fault, FollowState, Info, Status
 from beatrix_zenoh.contract.values import as_data
-from beatrix_zenoh.output import typed
 
 CELL, PROBLEM = 60, 400
 """Largest number of characters of a cell and of a line about a problem: any program may send a status."""
@@ -116,40 +115,32 @@ def lease_notes(status: Status) -> list[str]:
         notes.append(f"This turn ends in {status.turn_s} s.")
     if status.waiting:
         notes.append(f"Waiting for it: {some(status.waiting)}.")
-    if status.speed_limit:
-        notes.append(f"The arms turn at most {math.degrees(status.speed_limit):.0f}°/s.")
+    notes += [f"The arms turn {words}." for words in limit_words(status)]
     return notes
 
 
 def unlike_notes(statuses: Mapping[Place, Status], account: Account | None) -> list[str]:
-    """Return sentences about decisions of the teacher that are in force at some robots only.
+    """Return a sentence if decisions of the teacher are in force at some robots only; in a class its own robots count.
 
-    A robot that was not online then does not have them (decision 122). In a class only its own robots count.
+    A robot that was not online then does not have them (decision 122).
     """
-    robots = {
-        place: status
+    decided = {
+        title(place): ", ".join(
+            [*["frozen"] * status.frozen, *limit_words(status), *(f"{seat} muted" for seat in status.muted)]
+        )
         for place, status in statuses.items()
         if account is None or not account.of_seat(place[0])
     }
-    notes = []
-    free = [title(place) for place, status in robots.items() if not status.frozen]
-    if free and len(free) < len(robots):
-        notes.append(
-            f"Not frozen, although others are: {some(free)}. The teacher freezes all with `beatrix freeze`."
-        )
-    for seat in sorted({seat for status in robots.values() for seat in status.muted})[:NAMES]:
-        free = [title(place) for place, status in robots.items() if seat not in status.muted]
-        if free:
-            notes.append(
-                f"{seat} is muted, but not at {some(free)}. The teacher mutes it at all with `{typed('beatrix', 'mute', seat)}`."
-            )
-    limits = {place: round(math.degrees(status.speed_limit), 1) for place, status in robots.items()}
-    if len({*limits.values()}) > 1:
-        words = [f"{title(place)} {f'{limit:g}°/s' if limit else 'none'}" for place, limit in limits.items()]
-        notes.append(
-            f"The teacher's speed limits differ: {some(words)}. The teacher sets all with `beatrix limit`."
-        )
-    return [printable.line(note, PROBLEM) for note in notes]
+    if len({*decided.values()}) < 2:
+        return []
+    words = some([f"{robot} {text or 'none'}" for robot, text in decided.items()])
+    text = f"The teacher's decisions differ: {words}. `beatrix freeze`, `limit` and `mute` of the teacher reach all."
+    return [printable.line(text, PROBLEM)]
+
+
+def limit_words(status: Status) -> list[str]:
+    """Return the speed limit of the teacher in words, if there is one."""
+    return [f"at most {math.degrees(status.speed_limit):.0f}°/s"] if status.speed_limit else []
 
 
 def state_row(status: Status) -> dict[str, object]:

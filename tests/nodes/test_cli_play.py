@@ -52,7 +52,7 @@ def test_look_with_a_lead_counts_down_and_reports_the_lag(free: Shell) -> None:
     done = free.run("look", "--yaw", "8", "--speed", "60", "--on", "both", "--lead", "1", "--json")
     assert done.returncode == 0, done.stderr
     lines = [line for line in done.stderr.splitlines() if "moves in" in line]
-    assert [line.split(",")[0] for line in lines] == ["The hardware moves in 1.0 s"]
+    assert [line.split(",")[0] for line in lines] == ["The hardware moves in 1 s"]
     lag = re.search(r"The hardware began (\S+) s after the simulation", done.stderr)
     assert lag is not None
     assert float(lag[1]) > 1.0 - LAG_ERROR_S

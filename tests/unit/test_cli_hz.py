@@ -52,7 +52,7 @@ def test_losses_are_unknown_if_sequence_numbers_decrease(
 ) -> None:
     found = figures(*numbers)
     assert found.lost is None
-    show_rates({"bea (hw)": found}, "pictures")
+    show_rates({"bea (hw)": found})
     printed = capsys.readouterr().out
     assert printed.splitlines()[1].split()[-1] == "?"
     assert "a second program publishes on its key" in printed

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 import tempfile
 from pathlib import Path
 
@@ -10,12 +9,10 @@ import pytest
 from robots import free_endpoint, until
 
 from beatrix_zenoh import NoAnswer, Refused, processes
-from beatrix_zenoh.cli.serving import UpOptions, start_robots
+from beatrix_zenoh.cli.serving import start_programs
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.output import CODES
-from beatrix_zenoh.processes import CRASHES_S, Ending, Role, Supervisor, classify
+from beatrix_zenoh.processes import Role, Supervisor
 from beatrix_zenoh.settings import Settings
-from beatrix_zenoh.shutdown import FAULT
 
 
 @pytest.fixture(autouse=True)
@@ -38,31 +35,6 @@ def query_failed_router(supervisor: Supervisor) -> None:
     raise NoAnswer(Reason.NO_ANSWER, "No router.")
 
 
-@pytest.mark.parametrize(
-    ("code", "last_crash_s", "ending"),
-    [
-        (0, None, Ending.ON_REQUEST),
-        (0, 99.0, Ending.ON_REQUEST),
-        (130, None, Ending.ON_REQUEST),
-        (1, None, Ending.REFUSED),
-        (2, 99.0, Ending.REFUSED),
-        (CODES[Reason.ACCOUNT_REFUSED], None, Ending.REFUSED),
-        (CODES[Reason.ACCESS_DENIED], None, Ending.REFUSED),
-        (CODES[Reason.NO_ROUTER], None, Ending.CRASHED),
-        (FAULT, None, Ending.CRASHED),
-        (-signal.SIGKILL, None, Ending.CRASHED),
-        (-signal.SIGSEGV, 100.0 - CRASHES_S, Ending.CRASHED),
-        (-signal.SIGSEGV, 100.1 - CRASHES_S, Ending.CRASHED_AGAIN),
-        (FAULT, 99.9, Ending.CRASHED_AGAIN),
-        (0xC0000005, None, Ending.CRASHED),  # a segmentation fault on Windows
-    ],
-)
-def test_exit_code_and_time_say_why_a_child_has_ended(
-    code: int, last_crash_s: float | None, ending: Ending
-) -> None:
-    assert classify(code, 100.0, last_crash_s) is ending
-
-
 def test_a_refused_child_is_reported_and_not_started_again() -> None:
     with Supervisor() as supervisor:
         supervisor.start("router", "router", "--listen", free_endpoint())
@@ -70,7 +42,7 @@ def test_a_refused_child_is_reported_and_not_started_again() -> None:
         until(lambda: refused.code is not None, "it ends", 10)
         (report,) = supervisor.tend()
         assert [child.title for child in supervisor.children] == ["router"]
-    assert report.startswith("The window was refused (exit code 2); the robots continue to run. Its ")
+    assert report.startswith("The window has ended (exit code 2); the robots continue to run. Its ")
     assert "No such option: --nonsense" in report
     assert report.endswith("beatrix gui --nonsense")
 
@@ -80,9 +52,9 @@ def test_a_start_fails_only_when_no_robot_is_left(capfd: pytest.CaptureFixture[s
         simulation = supervisor.start("simulation", "sim", "--nonsense", role=Role.ROBOT)
         until(lambda: simulation.code is not None, "it ends", 10)
         supervisor.start("hardware", "hw", "--port", "virtual", role=Role.ROBOT)
-        with pytest.raises(Refused, match="The hardware was refused"):
+        with pytest.raises(Refused, match="The hardware has ended"):
             supervisor.wait_ready()
-    assert "The simulation was refused (exit code 2) and stays down." in capfd.readouterr().err
+    assert "The simulation has ended (exit code 2) and stays down." in capfd.readouterr().err
 
 
 def test_a_slow_start_is_reported_and_awaited(
@@ -133,8 +105,8 @@ def test_robots_end_before_the_window_and_the_router_ends_last(monkeypatch: pyte
             ended.append(self.title)
 
     monkeypatch.setattr(processes, "Child", FakeChild)
-    options = UpOptions({"sim": "MuJoCo", "hw": "virtual:"}, False, None, None, None, None, True)
     with Supervisor() as supervisor:
         supervisor.start("router")
-        start_robots(supervisor, Settings("bea", "tcp/127.0.0.1:1", "ana"), options)
+        programs = dict.fromkeys(("gui", "sim", "hw"), ())
+        start_programs(supervisor, Settings("bea", "tcp/127.0.0.1:1", "ana"), programs)
     assert ended == ["hardware", "simulation", "window", "router"]

@@ -95,14 +95,10 @@ READ: dict[str, Callable[[str], bytes]] = {
     "CRLF": lambda text: text.replace("\n", "\r\n").encode(),
     "CRLF with byte order mark": lambda text: text.replace("\n", "\r\n").encode("utf-8-sig"),
 }
-REFUSED: dict[str, tuple[str, Callable[[str], bytes]]] = {
-    "UTF-16": (
-        "is not text in UTF-8 but in UTF-16",
-        lambda text: codecs.BOM_UTF16_LE + text.encode("utf-16-le"),
-    ),
-    "UTF-16, big endian": ("UTF-16", lambda text: codecs.BOM_UTF16_BE + text.encode("utf-16-be")),
-    "UTF-16 without mark": ("UTF-16", lambda text: ("# written by an editor\n" + text).encode("utf-16-le")),
-    "Latin-1": ("an older encoding such as Latin-1 (byte 0xfc in line", lambda text: text.encode("latin-1")),
+REFUSED: dict[str, Callable[[str], bytes]] = {
+    "UTF-16": lambda text: codecs.BOM_UTF16_LE + text.encode("utf-16-le"),
+    "UTF-16 without mark": lambda text: text.encode("utf-16-be"),
+    "Latin-1": lambda text: text.encode("latin-1"),
 }
 
 
@@ -122,16 +118,11 @@ def test_a_file_is_read_with_byte_order_mark_and_with_line_ends_of_windows(
 
 @pytest.mark.parametrize("encoding", REFUSED)
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "window.json"])
-def test_the_refusal_of_another_encoding_names_it_and_the_cure(
-    kind: str, encoding: str, tmp_path: Path
-) -> None:
+def test_the_refusal_of_another_encoding_names_the_cure(kind: str, encoding: str, tmp_path: Path) -> None:
     text, read = KINDS[kind]
-    named, encode = REFUSED[encoding]
     path = tmp_path / kind
-    path.write_bytes(encode(text))
-    with pytest.raises(WrongUsage) as refused:
+    path.write_bytes(REFUSED[encoding](text))
+    with pytest.raises(
+        WrongUsage, match=r"is not text in UTF-8: save it again as .* with the encoding UTF-8\.$"
+    ):
         read(path)
-    assert refused.value.message.startswith((str(path), f"--robot-file {path}"))
-    assert named in refused.value.message
-    assert "save it again as " in refused.value.message
-    assert refused.value.message.endswith("with the encoding UTF-8.")

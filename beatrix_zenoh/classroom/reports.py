@@ -1,0 +1,54 @@
+"""The reports of lessons that the process of the routers of a class keeps: one for each seat and lesson, in memory only."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Collection
+from typing import Final
+
+from msgspec import structs
+
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh.contract import codec, names
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import LessonState
+from beatrix_zenoh.contract.errors import BeatrixError
+
+LARGEST: Final = 400
+"""Largest report that is kept (bytes); a usual one has about 60."""
+
+
+class KeptReports:
+    """Keeps reports while the routers restart; access rules see to it that a seat writes only its own.
+
+    A seat may work in several folders: tries and hints never fall, and a lesson that was passed stays passed.
+    """
+
+    def __init__(self, bus: zbus.Bus, lessons: Collection[str]) -> None:
+        """Serve until `bus` is closed; a seat could fill memory and the teacher's table with names of other lessons."""
+        self._lessons = frozenset(lessons)
+        self._kept: dict[str, LessonState] = {}
+        """by key"""
+        bus.subscribe(keys.lesson("*", "*"), self._keep)
+        bus.serve(keys.lesson("*", "*"), self._answer)
+
+    def _keep(self, report: zbus.Received) -> None:
+        parts = keys.parse(report.key)
+        if parts is None or parts.lesson not in self._lessons or len(report.payload) > LARGEST:
+            return
+        with contextlib.suppress(BeatrixError):
+            names.check_seat(parts.who)
+            new = codec.decode(report.payload, LessonState)
+            old = self._kept.get(report.key, new)
+            self._kept[report.key] = structs.replace(
+                new,
+                tries=max(old.tries, new.tries),
+                hints=max(old.hints, new.hints),
+                passed=old.passed or new.passed,
+            )
+
+    def _answer(self, incoming: zbus.Incoming) -> None:
+        for key, state in [*self._kept.items()]:
+            if zbus.intersects(incoming.key, key):
+                incoming.reply(key, codec.encode(state), codec.MSGPACK)
+        incoming.finish()
