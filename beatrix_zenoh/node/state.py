@@ -28,6 +28,7 @@ from beatrix_zenoh.contract._generated.messages import (
 )
 from beatrix_zenoh.contract._generated.values import VALUES
 from beatrix_zenoh.contract.errors import quoted
+from beatrix_zenoh.contract.rows import KeyRow
 from beatrix_zenoh.contract.values import rows
 from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.events import NodeEvents
@@ -159,9 +160,7 @@ class Publisher(Component):
         self._task: ScheduledTask | None = None
 
     def start(self, sessions: Sessions) -> None:
-        def publication(
-            key: Callable[[str, str], str], json_key: Callable[[str, str], str]
-        ) -> StatePublication:
+        def publication(key: KeyRow, json_key: KeyRow) -> StatePublication:
             name, side = self._snapshot.name, self._snapshot.side
             return StatePublication(sessions, key(name, side), json_key(name, side), self.changed)
 
