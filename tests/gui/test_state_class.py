@@ -14,7 +14,7 @@ from present import present
 
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason, SeatCount
 from gui.console.state import intents
-from gui.console.state.actions import Govern, Outcome, SendStop, WatchCameras, WatchClass
+from gui.console.state.actions import Govern, Outcome, SendStop, WatchClass
 from gui.console.state.intents import Intent, LimitClass, Stop, TogglePage, WindowPage
 from gui.console.state.state import State
 from gui.console.state.views import ClassView, Condition
@@ -31,7 +31,7 @@ def page(state: State, now: World = TEACHER) -> ClassView:
 def opened() -> State:
     """Return the state of a teacher's window that shows the class."""
     state = State()
-    assert state.handle(TogglePage(), TEACHER) == [WatchClass(on=True), WatchCameras(frozenset())]
+    assert state.handle(TogglePage(), TEACHER) == [WatchClass(on=True)]
     return state
 
 
@@ -47,7 +47,17 @@ def test_a_row_shows_state_driver_queue_rate_and_age() -> None:
     rows = {row.place: row for row in page(opened()).rows}
     moving = rows["bea1", "sim"]
     queue = "ben, cleo"
-    assert moving.cells == ("bea1", "Simulation", "► moving", "ana (taken)", "", queue, "50", "0.0 s", "")
+    assert moving.cells == (
+        "bea1",
+        "Simulation",
+        "► moving",
+        "ana (taken)",
+        "",
+        queue,
+        "50",
+        "0.0 s",
+        "limit 20 °/s",
+    )
     assert rows[PLACE].cells[2:4] == ("■ frozen", "dora")
     assert rows["bea3", "sim"].condition is Condition.DISABLED
     assert rows["bea4", "sim"].condition is Condition.FAULT
@@ -87,7 +97,6 @@ def test_a_robot_that_was_away_when_a_seat_was_muted_is_named() -> None:
 
 def test_a_pupil_is_shown_by_name_and_muted_by_seat() -> None:
     now = replace(TEACHER, pupils={"cleo": "Cléo Brun (cleo)"})
-    same("state class.a pupil is shown by name and muted by seat", page(opened(), now).summary)
     (view,) = (view for view in page(opened(), now).seats if view.text == "Cléo Brun (cleo)")
     assert view.mute.intent == Govern(0, LeaseAction.MUTE, seat="cleo")
     muted = page(opened(), replace(with_first(muted=("cleo",)), pupils=now.pupils))

@@ -102,8 +102,6 @@ def test_quick_presses_of_one_robot_add_up(side: str) -> None:
     for row in (1, 2):
         state.report(Outcome(row, side, accepted=False, done=True, reason=Reason.REPLACED))
     accept(state, 3)
-    plus = state.view(turning).arms.rows[0].plus
-    assert "20" in plus.tooltip
     state.report(Outcome(3, side, accepted=True, done=True))
     assert not sent(state.handle(Jog("short", 1), world(robot("sim", arms=(15, 0, 0))))).query.absolute
 

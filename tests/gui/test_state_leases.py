@@ -62,7 +62,7 @@ def test_the_button_of_a_lease_sends_its_query(
         ({"holder": "ana", "lease": 2, "enabled": False}, "ben", "motors off", ("taken by ana",)),
         ({"holder": "ana", "waiting": ("cleo", "ben")}, "ben", "driven by ana", ("queue: 2 of 2",)),
         ({"frozen": True, "holder": "ana"}, "ben", "frozen by the teacher", ("ana drives",)),
-        ({"frozen": True}, "teacher", "ready", ("frozen",)),
+        ({"frozen": True}, "teacher", "frozen", ()),
         ({"limit_deg": 20.0}, "ben", "ready", ("limit 20 °/s",)),
     ],
 )

@@ -95,7 +95,7 @@ def row_view(row: RequestRow, code: str) -> HistoryRowView:
 def _foreign(group: other_seats.Group, texts: Texts) -> HistoryRowView:
     began, query = group.began, group.query
     if query is not None and (query.absolute or isinstance(query, MotionQuery)):
-        text = _motion(query, texts, undoes=False)
+        text = _motion(query, texts)
     else:
         key = other_seats.WHATS.get(began.action, "")
         text = texts(key) if key else began.action
@@ -192,18 +192,18 @@ def what(row: RequestRow, texts: Texts) -> str:
     """Return a request in a few words."""
     request = row.request
     if isinstance(request, Send):
-        return _motion(request.query, texts, undoes=row.undoes)
+        return _motion(request.query, texts)
     return _other(request, texts)
 
 
-def _motion(query: MotionQuery | PoseQuery, texts: Texts, *, undoes: bool) -> str:
+def _motion(query: MotionQuery | PoseQuery, texts: Texts) -> str:
     if isinstance(query, PoseQuery):
         return texts("what.look" if query.absolute else "what.look_by", way=_way(query, texts))
     arms = arm_angles(query.position)
-    if query.absolute and not undoes and not any(arms):
+    if query.absolute and not any(arms):
         return texts("what.home")
     short, middle, long = (_number(angle, texts, signed=not query.absolute) for angle in arms)
-    key = "what.undo" if undoes else "what.move" if query.absolute else "what.move_by"
+    key = "what.move" if query.absolute else "what.move_by"
     return texts(key, short=short, middle=middle, long=long)
 
 

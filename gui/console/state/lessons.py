@@ -79,9 +79,8 @@ def view(world: World, texts: Texts) -> LessonsView:
     rows.sort(key=lambda row: (row.progress is not Progress.STUCK, row.cells[0].casefold(), row.seat))
     stuck = sum(row.progress is Progress.STUCK for row in rows)
     old = world.reports_failed or world.phase is not LinkPhase.ONLINE
-    title = texts("lessons.stuck", count=float(stuck)) if stuck > 1 else texts("lessons.stuck_one")
     return LessonsView(
-        title=title if stuck else texts("lessons.title"),
+        title=texts("lessons.stuck", count=float(stuck)) if stuck else texts("lessons.title"),
         columns=columns,
         rows=tuple(rows),
         empty="" if rows else _empty(world, texts),

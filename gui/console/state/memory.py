@@ -96,20 +96,13 @@ class Refusal:
 
 
 @dataclass(frozen=True)
-class Standing:
-    """Whether this seat has taken one robot, and whether it waits for it."""
-
-    held: bool = False
-    waiting: bool = False
-
-
-@dataclass(frozen=True)
 class Notice:
     """A sentence about a lease, as data."""
 
     key: str
-    slots: Mapping[str, str]
+    robot: str
     side: str
+    holder: str
 
 
 class Kept(Generic[T]):
@@ -149,6 +142,8 @@ class Memory:
     """row of the button that is held; None: none, 0: the press was refused"""
     open_hold: int = 0
     """row of the newest hold until its end; 0: none"""
+    lead_beaten: bool = False
+    """whether Send now, Change or Abort was pressed while the hardware waited, since the present mission began"""
     connecting: bool = False
     """whether the sheet that connects is shown"""
     port_chosen: bool = False
@@ -157,8 +152,8 @@ class Memory:
     """endpoint and seat of the window at the last call of `connecting.follow`"""
     news: Mapping[str, Trouble | Path] = field(default_factory=dict)
     """`world.news` at the newest request; they are no longer shown"""
-    standings: Mapping[Place, Standing] = field(default_factory=dict)
-    """leases of both robots of the shown name at the last call of `leases.follow`"""
+    standings: Mapping[Place, str] = field(default_factory=dict)
+    """`leases.standing` of both robots of the shown name at the last call of `leases.follow`"""
     lease_notice: Notice | None = None
     """a sentence about a lease that this seat gained or lost; None: nothing new"""
     history: Kept[tuple[HistoryRowView, ...]] = field(default_factory=Kept)

@@ -125,10 +125,7 @@ def finding(world: World, side: str, texts: Texts) -> RobotCondition:
     robot = world.side(side)
     if not online(world, side):
         return _absent(world, side, texts)
-    found = problem(robot, texts)
-    if found is None and robot.status is not None:
-        found = _shared(robot.status, world, texts) or working(robot.status, texts)
-    assert found is not None  # without a status, `problem` returns SILENT
+    found = problem(robot, texts) or _shared(robot, world, texts) or working(robot, texts)
     lost = robot.status is not None and fault_of(robot.status) is Fault.BOARD_LOST
     return replace(found, next_step=CONNECT) if lost and side == "hw" and world.own_hardware else found
 
@@ -156,8 +153,10 @@ def _unready(status: Status, side: str, texts: Texts) -> RobotCondition | None:
     return None
 
 
-def _shared(status: Status, world: World, texts: Texts) -> RobotCondition | None:
+def _shared(robot: RobotState, world: World, texts: Texts) -> RobotCondition | None:
     """Return why this seat cannot move a robot that is ready; None if it can."""
+    if (status := robot.status) is None:
+        return None
     if status.frozen and not world.is_teacher:
         return RobotCondition(Condition.FROZEN, texts("condition.frozen"), texts("reason.frozen"))
     if status.following is not FollowState.OFF:
@@ -173,9 +172,11 @@ def _shared(status: Status, world: World, texts: Texts) -> RobotCondition | None
     )
 
 
-def working(status: Status, texts: Texts) -> RobotCondition:
-    """Return MOVING or READY for a robot without a problem."""
-    if status.moving:
+def working(robot: RobotState, texts: Texts) -> RobotCondition:
+    """Return FROZEN, MOVING or READY for a robot without a problem, as the teacher sees it."""
+    if robot.status is not None and robot.status.frozen:
+        return RobotCondition(Condition.FROZEN, texts("condition.frozen_short"))
+    if robot.status is not None and robot.status.moving:
         return RobotCondition(Condition.MOVING, texts("condition.moving"))
     return RobotCondition(Condition.READY, texts("condition.ready"))
 

@@ -26,6 +26,8 @@ PAD = "head"
 UPRIGHT = HeadOrientation(0.0, 0.0, 0.0)
 WITHIN_DEG = 0.1
 """How far inside the border the simulation stays that follows a target beyond it."""
+EARLY_S = 0.2
+"""How long before its end the lead was beaten."""
 STOPPED = 0
 """`Memory.live_row` after a STOP: nothing is sent before the next drag."""
 REFUSED = -1
@@ -168,6 +170,7 @@ def end_lead(memory: Memory, world: World, intent: SendNow | Change | Abort) -> 
     """
     if world.plan is None or not (_can_change(world.plan) or isinstance(intent, Abort)):
         return []
+    memory.lead_beaten |= world.plan.phase is PlanPhase.LEADING and world.plan.countdown_s >= EARLY_S
     if isinstance(intent, SendNow):
         return [intent]
     path = world.plan.path

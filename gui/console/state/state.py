@@ -37,8 +37,7 @@ def choose(memory: Memory, world: World, intent: Choose) -> list[Action]:
     """Change a choice, and return the actions that follow from it; a value that no widget reports changes nothing."""
     memory.choices = changed(memory.choices, intent.name, intent.value) or memory.choices
     refusals.hide_answered(memory, intent)
-    ended = sending.spare_hardware(memory, world, intent)
-    return [*ended, *eyes.watch(memory.choices, intent)]
+    return sending.spare_hardware(memory, world, intent)
 
 
 TOPICS = (
@@ -124,7 +123,9 @@ class State:
         memory = self._memory
         if memory.choices.page is WindowPage.CLASS and isinstance(intent, intents.SendHead | intents.Undo):
             return []  # ignore their keys here, because their controls are on the other page
-        return self._handles[type(intent)](memory, world, intent)  # type: ignore[arg-type]  # it is of that class
+        before, handle = memory.choices, self._handles[type(intent)]
+        actions = handle(memory, world, intent)  # type: ignore[arg-type]  # it is of that class
+        return [*eyes.changes(before, memory.choices), *actions]
 
     def hold(self, world: World, query: MotionQuery | PoseQuery, control: str) -> int | None:
         """Add a motion that the face itself sends to the checked robots; return its row, or None if it is refused."""
