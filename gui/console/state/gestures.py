@@ -85,10 +85,4 @@ def sees(robot: RobotState) -> bool:
     return any(camera.eye == EYE and camera.connected and camera.source != TEST_PICTURE for camera in cameras)
 
 
-def watching(memory: Memory, world: World) -> str:
-    """Return the side whose eye the shipped program uses, if this window has started it; else an empty string."""
-    sides = (row.sides for row in memory.rows if isinstance(row.request, FollowFace) and not row.ended)
-    return next(sides, ("",))[0] if world.face.running and not world.face.own else ""
-
-
 HANDLES: Handles = {Play: play, FollowFace: follow_face, EndFollowing: pass_on, CopyProgram: copy}

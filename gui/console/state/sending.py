@@ -119,10 +119,7 @@ def _without_plan(memory: Memory, world: World) -> tuple[str, str]:
         title = gestures.title(world.playing, texts)
         return texts("sending.playing", title=title), texts("sending.playing_text")
     if world.face.running:
-        eye = gestures.watching(memory, world)
-        if not eye:
-            return texts("sending.following"), texts("sending.playing_text")
-        return texts("sending.following"), texts("sending.following_text", side=texts(f"side.{eye}"))
+        return texts("sending.following"), texts("sending.following_text")
     held = memory.row(memory.held_row or 0)
     if held is not None and len(held.sides) > 1 and not (held.ended or held.dropped):
         return texts("sending.held"), texts("sending.held_text")
