@@ -139,12 +139,6 @@ def test_the_target_follows_the_head_until_the_user_aims() -> None:
     assert state.view(world()).head.target == state.view(world()).head.sim, "an old target is not kept"
 
 
-def test_abort_just_after_the_lead_stops_both_robots() -> None:
-    state = state_after(BOTH, Jog("short", 1))
-    assert state.handle(Abort(), plan(PlanPhase.SENT)) == [Abort()]
-    assert state.handle(Abort(), world()) == []
-
-
 # -- dragging the head -------------------------------------------------------------------------------
 
 LIVE = intents.Choose("live", value=True)

@@ -27,7 +27,6 @@ from beatrix_zenoh.contract._generated.messages import (
     Alternative,
     Command,
     Detail,
-    Fault,
     Head,
     LeaseAction,
     Limit,
@@ -232,9 +231,6 @@ def sim(**fields: Any) -> World:
 CAUSES = {
     Reason.NOT_ENABLED: sim(enabled=False),
     Reason.NOT_HOLDER: sim(holder="anna"),
-    Reason.FROZEN: sim(frozen=True),
-    Reason.EMERGENCY: sim(fault=Fault.EMERGENCY),
-    Reason.NO_SUCH_ROBOT: world(absent("sim")),
     Reason.NODE_LOST: world(robot("sim", age_s=3.0)),
     Reason.NO_ROUTER: world(phase=LinkPhase.NO_ROUTER),
 }
