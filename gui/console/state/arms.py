@@ -20,9 +20,8 @@ from beatrix_zenoh.motion.gear import Gear
 from gui.console.state import refusals
 from gui.console.state.actions import NEW, Action, Hold, Release, Send
 from gui.console.state.intents import ALL_ARMS, Intent, Jog
-from gui.console.state.memory import Memory, unreachable
-from gui.console.state.motions import Handles, send_arms
-from gui.console.state.motions import begin as begin_request
+from gui.console.state.memory import Handles, Memory, send_arms, unreachable
+from gui.console.state.memory import begin as begin_request
 from gui.console.state.views import ArmRowView, ArmsView, ButtonView
 from gui.console.state.world import World, commanded, reading
 

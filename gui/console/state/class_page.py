@@ -18,8 +18,7 @@ from gui.console.state import connecting, history, leases, lessons, pills, refus
 from gui.console.state.actions import NEW, Action, ChooseRobot, Govern, SendStop, UseAccount, UseRouter
 from gui.console.state.intents import LimitClass, TogglePage, WindowPage
 from gui.console.state.leases import limit_text
-from gui.console.state.memory import Memory, offline
-from gui.console.state.motions import Handles, begin
+from gui.console.state.memory import Handles, Memory, begin, offline
 from gui.console.state.views import (
     ClassRowView,
     ClassView,

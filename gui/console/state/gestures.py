@@ -8,8 +8,7 @@ from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.choreography import GESTURES
 from gui.console.state import refusals
 from gui.console.state.actions import NEW, POSES, Action, CopyProgram, EndFollowing, FollowFace, Play
-from gui.console.state.memory import Memory, unreachable
-from gui.console.state.motions import Handles, begin, lead_of, pass_on
+from gui.console.state.memory import Handles, Memory, begin, lead_of, pass_on, unreachable
 from gui.console.state.views import ButtonView, GesturesView, button
 from gui.console.state.world import World
 from gui.console.texts import Texts

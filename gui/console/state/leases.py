@@ -12,8 +12,7 @@ from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import views
 from gui.console.state.actions import NEW, Action, AskLease, Govern
 from gui.console.state.intents import DismissNotice
-from gui.console.state.memory import Memory, Notice
-from gui.console.state.motions import Handles, begin
+from gui.console.state.memory import Handles, Memory, Notice, begin
 from gui.console.state.views import BannerView, ButtonView
 from gui.console.state.world import World, online, silent
 from gui.console.texts import Texts

@@ -22,9 +22,8 @@ from beatrix_zenoh.contract._generated.messages import (
 from beatrix_zenoh.contract.errors import WrongUsage
 from gui.console.state.actions import Action, Outcome, Play, Send
 from gui.console.state.intents import AimHead, Choose, DismissRefusal, Intent, SetDuration, TakeAlternative
-from gui.console.state.memory import Memory, Refusal, Request, RequestRow
+from gui.console.state.memory import Handles, Memory, Refusal, Request, RequestRow, again, begin, head_of
 from gui.console.state.memory import sides_of as sides_of_request
-from gui.console.state.motions import Handles, again, begin, head_of
 from gui.console.state.pills import MAKE_READY, NEXT_STEPS, WAIT, finding, next_step_button
 from gui.console.state.views import ButtonView, Condition, RefusalView
 from gui.console.state.world import World

@@ -13,10 +13,10 @@ from beatrix_zenoh.client.degrees import Reading, pose_query
 from beatrix_zenoh.contract._generated.messages import PoseQuery, Reason
 from beatrix_zenoh.contract._generated.robot import LimitsData
 from beatrix_zenoh.motion.limits import region
-from gui.console.state import gestures, intents, motions, refusals
+from gui.console.state import gestures, intents, refusals
 from gui.console.state.actions import NEW, Abort, Action, Outcome, Send, SendNow
 from gui.console.state.intents import AimHead, Change, Choose, HeadOrientation, LiveHead, SendHead
-from gui.console.state.memory import Memory, unreachable
+from gui.console.state.memory import Handles, Memory, begin, head_of, send_head, unreachable
 from gui.console.state.sequence_timing import limits_of
 from gui.console.state.views import DragView, HeadView, SendingView, button
 from gui.console.state.world import PlanPhase, PlanProgress, World, kept, reading, silent
@@ -157,7 +157,7 @@ def aim(memory: Memory, _world: World, intent: AimHead) -> list[Action]:
 
 def send(memory: Memory, world: World, _intent: SendHead) -> list[Action]:
     """Return the action that sends the target of the pad."""
-    return motions.send_head(memory, world, target(memory, world), PAD)
+    return send_head(memory, world, target(memory, world), PAD)
 
 
 def end_lead(memory: Memory, world: World, intent: SendNow | Change | Abort) -> list[Action]:
@@ -196,7 +196,7 @@ def _drag(memory: Memory, limits: LimitsData) -> DragView:
     request = None if refusal is None or refusal.control != PAD else refusal.request
     if refusal is not None and isinstance(request, Send) and isinstance(request.query, PoseQuery):
         query = request.query
-        refused = motions.head_of(query)
+        refused = head_of(query)
         reason = choices.texts(REASONS.get(refusal.outcome.reason, "refused.other"))
     return DragView(choices.live, border_deg(limits.tilt_max, limits.gap_min), refused, reason)
 
@@ -219,7 +219,7 @@ def release(memory: Memory, world: World, _intent: intents.ReleaseHead) -> list[
         memory.live_row = None
     if target is None or ended or not memory.choices.send_on_release:
         return []
-    return motions.send_head(memory, world, target, PAD)
+    return send_head(memory, world, target, PAD)
 
 
 def note_refusal(memory: Memory, outcome: Outcome) -> None:
@@ -238,7 +238,7 @@ def _follow(memory: Memory, world: World) -> list[Action]:
     query = pose_query(target.yaw, pitch, roll, relative=False, speed=memory.choices.speed)
     row = None if memory.live_row is None else memory.row(memory.live_row)
     if row is None:
-        begun = motions.begin(memory, world, Send(NEW, query, sides), PAD)
+        begun = begin(memory, world, Send(NEW, query, sides), PAD)
         memory.live_row = memory.rows[-1].number if begun else REFUSED
         return begun
     if unreachable(memory, world, sides, PAD):
@@ -258,7 +258,7 @@ def _inside(world: World, target: HeadOrientation) -> tuple[float, float]:
     return target.pitch * shrink, target.roll * shrink
 
 
-HANDLES: motions.Handles = {
+HANDLES: Handles = {
     AimHead: aim,
     SendHead: send,
     SendNow: end_lead,

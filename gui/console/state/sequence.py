@@ -25,8 +25,7 @@ from gui.console.state.intents import (
     RenamePose,
     SetDuration,
 )
-from gui.console.state.memory import Memory, RequestRow, unreachable
-from gui.console.state.motions import Handles, begin
+from gui.console.state.memory import Handles, Memory, RequestRow, begin, unreachable
 from gui.console.state.refusals import wrong_file
 from gui.console.state.saved import DURATION_MAX_S, SavedPose
 from gui.console.state.views import CardView, CodeLine, SequenceView, button

@@ -17,15 +17,13 @@ from gui.console.state import (
     missions,
     pills,
     poses,
-    program,
     refusals,
     sending,
     sequence,
 )
 from gui.console.state.actions import Action, Outcome
 from gui.console.state.intents import Choose, Intent, WindowPage
-from gui.console.state.memory import Memory
-from gui.console.state.motions import Handles
+from gui.console.state.memory import Handles, Memory
 from gui.console.state.saved import Choices, Remembered, Saved, changed, choices_from
 from gui.console.state.views import HistoryRowView, View
 from gui.console.state.world import World
@@ -42,7 +40,7 @@ def choose(memory: Memory, world: World, intent: Choose) -> list[Action]:
 
 TOPICS = (
     *(arms, class_page, commands, connecting, gestures, leases),
-    *(poses, program, refusals, sending, sequence),
+    *(history, poses, refusals, sending, sequence),
 )
 HANDLES: Handles = {
     Choose: choose,
@@ -94,7 +92,7 @@ class State:
             eyes=eyes.view(memory, world),
             sound=eyes.sound(memory, world),
             history=history.view(memory, world),
-            code=program.view(memory, world),
+            code=history.code_view(memory, world),
             record=commands.recording_view(memory, world),
             last=history.last(memory, world),
             last_detail=history.last_detail(memory, world),

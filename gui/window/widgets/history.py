@@ -16,8 +16,8 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
+from gui.console.state.history import SaveProgram
 from gui.console.state.intents import Repeat, Theme
-from gui.console.state.program import SaveProgram
 from gui.console.state.views import CodeLine, CodeView, HistoryRowView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
