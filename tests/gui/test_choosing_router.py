@@ -10,21 +10,22 @@ import msgspec
 import pytest
 from class_router import ClassRouter
 from gui_links import Linked, at_home, look
-from gui_windows import windowed
 from gui_worlds import absent, world
 from present import present
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
+from recording_link import RecordingLink
 from robots import Stage, free_endpoint
 
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh.client import Presence
-from gui.console.state.actions import Action, LookForPorts, Outcome, Send, UseAccount, UseRouter
+from gui.console.state.actions import Action, LookForPorts, Outcome, Send, SendStop, UseAccount, UseRouter
 from gui.console.state.connecting import completed
 from gui.console.state.intents import Choose, SendHead, TogglePage, WindowPage
 from gui.console.state.state import State
 from gui.console.state.views import RouterView
 from gui.console.state.world import LinkPhase, OwnAccount, Trouble, World
+from gui.window.window import Window
 
 ANA = OwnAccount("ana", "8b", "2027-07-31", expired=False)
 ALONE = world(absent("sim"), absent("hw"))
@@ -194,22 +195,15 @@ def test_account_files_are_checked_before_they_are_stored(folder: Path) -> None:
 # -- the window -----------------------------------------------------------------------------------
 
 
-@pytest.mark.usefixtures("qapp")
-def test_a_user_types_an_address() -> None:
-    with Stage() as here, Stage() as there, windowed(here.endpoint) as user:
-        panels = user.window.panels
-        panels.header.menu.actions()[-2].trigger()
-        router = panels.connect_sheet.router
-        user.until(lambda: "answers" in router.state.text(), "the present router answers")
-        assert router.address.text() == here.endpoint
-
-        for address, words in (("no/such/thing", "is not an address"), (there.endpoint, "answers")):
-            router.address.setFocus()
-            router.address.selectAll()
-            QTest.keyClicks(router.address, address)
-            QTest.keyClick(router.address, Qt.Key.Key_Space)
-            assert "stop" in user.last, "Space is STOP in this field, too"
-            QTest.keyClick(router.address, Qt.Key.Key_Return)
-            user.until(lambda words=words: words in router.state.text(), words)  # type: ignore[misc]
-            assert router.address.text() == address, "it can be corrected"
-        user.until(lambda: user.window._world.endpoint == there.endpoint, "the other router is used")
+def test_a_user_types_an_address(window: Window, link: RecordingLink) -> None:
+    window.handle(LookForPorts())
+    address = window.panels.connect_sheet.router.address
+    address.setFocus()
+    address.selectAll()
+    QTest.keyClicks(address, "lab")
+    QTest.keyClick(address, Qt.Key.Key_Space)
+    QTest.keyClick(address, Qt.Key.Key_Return)
+    stop, use = link.done[-2:]
+    assert isinstance(stop, SendStop), "Space is STOP in this field, too"
+    assert use == UseRouter("tcp/lab:7447")
+    assert address.text() == "lab", "it can be corrected"

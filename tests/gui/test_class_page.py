@@ -34,7 +34,7 @@ def page(window: Window, link: RecordingLink, state: WatchedState) -> ClassPage:
     """The page of the class, shown by its key."""
     QTest.keyClick(window, Qt.Key.Key_F2)
     assert window.panels.class_page.isVisible()
-    assert link.done[-2] == WatchClass(on=True)
+    assert link.done[-1] == WatchClass(on=True)
     state.intents.clear()
     return window.panels.class_page
 

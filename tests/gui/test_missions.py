@@ -9,8 +9,8 @@ import pytest
 from gui_worlds import absent, positions, refused, robot, status, world
 
 from beatrix_zenoh.contract._generated.messages import Reason
-from gui.console.state.actions import Abort, Action, Outcome, Send, SendStop
-from gui.console.state.intents import AimHead, Choose, SendHead, Stop
+from gui.console.state.actions import Abort, Action, Outcome, Send, SendNow, SendStop
+from gui.console.state.intents import AimHead, Choose, Intent, SendHead, Stop
 from gui.console.state.missions import MISSIONS, STEPS, TASKS, CloseGuide, SkipTask
 from gui.console.state.saved import Saved
 from gui.console.state.state import State
@@ -88,34 +88,22 @@ def test_the_edge_is_found_by_a_refusal_because_of_the_place() -> None:
 
 
 @pytest.mark.parametrize(
-    ("left_s", "aborts", "done"), [(1.4, True, True), (0.1, True, False), (1.4, False, False)]
+    ("intent", "left_s", "done"),
+    [
+        (Abort(), 1.4, True),
+        (SendNow(), 1.4, True),
+        (Abort(), 0.1, False),
+        (Choose("lead_s", 1.0), 1.4, False),
+    ],
 )
-def test_the_lead_is_beaten_while_the_hardware_waits(left_s: float, aborts: bool, done: bool) -> None:
+def test_the_lead_is_beaten_while_the_hardware_waits(intent: Intent, left_s: float, done: bool) -> None:
     state = begun("lead")
-    state.handle(Choose("hw", value=True), WELL)
-    state.handle(AimHead(20.0, 5.0, 0.0), WELL)
-    state.handle(SendHead(), WELL)
     leading = replace(WELL, plan=PlanProgress(PlanPhase.LEADING, lead_s=2.0, countdown_s=left_s))
     state.follow(leading)
-    if aborts:
-        state.handle(Abort(), leading)
+    assert "Mission 3" in text(state)
+    state.handle(intent, leading)
     state.follow(WELL)
-    assert ("All missions done" in text(state)) is done
-
-
-def test_sending_now_beats_the_lead() -> None:
-    state = begun("lead")
-    state.handle(Choose("hw", value=True), WELL)
-    state.handle(AimHead(20.0, 5.0, 0.0), WELL)
-    state.handle(SendHead(), WELL)
-    for phase, countdown_s, done in (
-        (PlanPhase.LEADING, 1.4, False),
-        (PlanPhase.LEADING, 0.0, False),  # the window draws between the press and the motion of the hardware
-        (PlanPhase.SENT, 0.0, True),
-    ):
-        now = replace(WELL, plan=PlanProgress(phase, lead_s=2.0, countdown_s=countdown_s))
-        state.follow(now)
-        assert ("All missions done" in text(state, now)) is done
+    assert ("Mission 3" not in text(state)) is done
 
 
 def test_the_first_run_is_skipped_step_by_step_or_closed_for_good() -> None:

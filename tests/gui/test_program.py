@@ -17,8 +17,8 @@ from PyQt5.QtWidgets import QFileDialog
 from beatrix_zenoh.contract._generated.messages import Command, Reason
 from gui.console.state import intents
 from gui.console.state.actions import MakeReady, Outcome, Play, WriteFile
+from gui.console.state.history import SaveProgram
 from gui.console.state.intents import AimHead, Intent, Jog, PlaySequence, RunCommand, SendHead
-from gui.console.state.program import SaveProgram
 from gui.console.state.saved import Saved, SavedPose
 from gui.console.state.state import State
 from gui.window.window import Window

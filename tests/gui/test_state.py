@@ -24,7 +24,7 @@ from msgspec import structs
 from present import present
 
 from beatrix_zenoh.client import Presence
-from beatrix_zenoh.contract._generated.messages import CameraStatus, Command
+from beatrix_zenoh.contract._generated.messages import CameraStatus, Command, MicrophonesStatus
 from gui.console.state import actions, intents
 from gui.console.state.actions import (
     Action,
@@ -34,12 +34,13 @@ from gui.console.state.actions import (
     SendCommand,
     SendStop,
     WatchCameras,
+    WatchMicrophones,
 )
 from gui.console.state.history import SHOWN
-from gui.console.state.intents import Choose, Jog, RunCommand, Tab
+from gui.console.state.intents import Choose, Jog, RunCommand, Tab, TogglePage
 from gui.console.state.memory import KEPT
 from gui.console.state.state import State
-from gui.console.state.views import ButtonView, View
+from gui.console.state.views import ButtonView, LevelView, View
 from gui.console.state.world import LinkPhase, RecordingProgress, Trouble, World
 
 LOST_ROUTER = Trouble("trouble.router", "SIGKILL", "ready tcp/127.0.0.1:7447")
@@ -170,14 +171,13 @@ EYES = frozenset((side, eye) for side in ("sim", "hw") for eye in ("left", "righ
 
 def test_only_visible_pictures_are_subscribed_to() -> None:
     state = State()
-    assert state.handle(intents.Choose("tab", Tab.HEADS), world()) == [WatchCameras(frozenset())]
-    assert state.handle(intents.Choose("tab", Tab.EYES), world()) == [WatchCameras(frozenset())]
+    assert state.handle(intents.Choose("tab", Tab.EYES), world()) == []
     assert state.view(world()).choices.tab is Tab.EYES
     assert state.handle(intents.Choose("cameras", value=True), world()) == [WatchCameras(EYES)]
     watched = {(eye.side, eye.eye) for eye in state.view(world(hw=absent("hw"))).eyes if eye.watched}
     assert watched == {("sim", "left"), ("sim", "right")}
     assert state.handle(intents.Choose("cameras", value=False), world()) == [WatchCameras(frozenset())]
-    assert state.handle(intents.Choose("tab", Tab.PLOTS), world()) == [WatchCameras(frozenset())]
+    assert state.handle(intents.Choose("tab", Tab.PLOTS), world()) == []
 
 
 def camera(*, connected: bool = True, streaming: bool = True, trouble: str = "") -> CameraStatus:
@@ -203,10 +203,10 @@ def test_a_missing_picture_has_a_reason(cameras: tuple[CameraStatus, ...], left:
     found = {(eye.side, eye.eye): eye.text for eye in state.view(now).eyes}
     assert found["sim", "left"].startswith(left)
     assert bool(found["sim", "left"]) is bool(left)
-    assert found["hw", "left"].startswith("The hardware is not online.")
+    assert found["hw", "left"].startswith("No hardware of bea1 is online.")
     hung = robot("hw", age_s=2.0)
     lost = replace(robot("hw"), presence=Presence.ABSENT)
-    for gone, word in ((hung, "is online but sends nothing"), (lost, "is no longer online")):
+    for gone, word in ((hung, "The last positions are 2.0 s old"), (lost, "is no longer online")):
         assert word in state.view(world(hw=gone)).eyes[-1].text
     assert {eye.text for eye in State().view(world()).eyes} == {"The eye cameras are off. Check Eye cameras."}
 
@@ -259,3 +259,57 @@ def test_choosing_another_robot_selects_it_and_clears_the_undo_list() -> None:
     assert state.view(now).robots == ("bea1", "bea2")
     assert state.handle(ChooseRobot("bea2"), now) == [ChooseRobot("bea2")]
     assert not state.view(now).commands.undo.enabled
+
+
+# -- microphones -------------------------------------------------------------------------------------
+
+
+def microphones(*, on: bool) -> MicrophonesStatus:
+    return MicrophonesStatus(connected=True, streaming=on, rate=48_000, source="device")
+
+
+@pytest.mark.parametrize("on", [False, True])
+def test_a_mark_shows_that_microphones_are_on(*, on: bool) -> None:
+    """It comes before all other notes, which a narrow window leaves out first."""
+    known = status("hw", microphones=microphones(on=on), limit_deg=20.0, holder="ana", lease=True)
+    pill = State().view(world(hw=robot("hw", known=known))).pills[1]
+    assert pill.notes[0].endswith("microphones on") == on
+    assert len(pill.notes) == 1 + on
+
+
+def test_microphones_are_on_only_while_their_levels_are_shown() -> None:
+    state, both = State(), frozenset({"sim", "hw"})
+    nothing: frozenset[str] = frozenset()
+    assert not state.view(world()).sound.on, "no window begins with listening"
+    assert state.handle(Choose("microphones", value=True), world()) == [], "the tab is another"
+    assert state.handle(Choose("tab", Tab.EYES), world()) == [WatchMicrophones(both)]
+    assert state.handle(Choose("tab", Tab.PLOTS), world()) == [WatchMicrophones(nothing)]
+    state.handle(Choose("tab", Tab.EYES), world())
+    teacher = replace(world(), seat="teacher")
+    assert state.handle(TogglePage(), teacher)[1:] == [WatchMicrophones(nothing)]
+    assert state.handle(TogglePage(), teacher)[1:] == [WatchMicrophones(both)]
+    assert state.handle(Choose("microphones", value=False), world()) == [WatchMicrophones(nothing)]
+
+
+def levels(now: World, *, on: bool = True) -> tuple[LevelView, ...]:
+    state = State()
+    state.handle(Choose("tab", Tab.EYES), now)
+    state.handle(Choose("microphones", value=on), now)
+    return state.view(now).sound.levels
+
+
+def test_levels_are_bars_and_numbers() -> None:
+    sim, hw = levels(replace(world(), levels={"sim": (-40.0, -120.0)}))
+    assert (sim.left, sim.right, sim.text) == (0.5, 0.0, "left -40 dB, right -120 dB")
+    assert (hw.left, hw.right, hw.text) == (0.0, 0.0, "no microphones: start the node with `--microphones`")
+
+
+def test_missing_levels_have_a_reason() -> None:
+    heard = world(robot("sim", known=status("sim", microphones=microphones(on=True))))
+    absent = world(robot("sim", presence=Presence.ABSENT))
+    for now, on, text in (
+        (heard, False, "off"),
+        (absent, True, "not online"),
+        (heard, True, "waiting for sound"),
+    ):
+        assert levels(now, on=on)[0].text == text

@@ -8,17 +8,21 @@ from typing import Any
 
 import pytest
 from golden import same
-from gui_views import class_world
+from gui_views import class_world, full_class, lesson
 from gui_worlds import status, world
 from present import present
 
+from beatrix_zenoh.client.lesson_reports import Row
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason, SeatCount
-from gui.console.state import intents
-from gui.console.state.actions import Govern, Outcome, SendStop, WatchCameras, WatchClass
+from beatrix_zenoh.lessons.progress import Record
+from gui.console.state import intents, lessons
+from gui.console.state.actions import Govern, Outcome, SendStop, WatchClass
 from gui.console.state.intents import Intent, LimitClass, Stop, TogglePage, WindowPage
+from gui.console.state.lessons import LessonRowView, LessonsView, Progress
 from gui.console.state.state import State
 from gui.console.state.views import ClassView, Condition
 from gui.console.state.world import LinkPhase, OwnAccount, World
+from gui.console.texts import Texts
 
 TEACHER = class_world()
 PLACE = ("bea2", "hw")
@@ -31,7 +35,7 @@ def page(state: State, now: World = TEACHER) -> ClassView:
 def opened() -> State:
     """Return the state of a teacher's window that shows the class."""
     state = State()
-    assert state.handle(TogglePage(), TEACHER) == [WatchClass(on=True), WatchCameras(frozenset())]
+    assert state.handle(TogglePage(), TEACHER) == [WatchClass(on=True)]
     return state
 
 
@@ -47,7 +51,17 @@ def test_a_row_shows_state_driver_queue_rate_and_age() -> None:
     rows = {row.place: row for row in page(opened()).rows}
     moving = rows["bea1", "sim"]
     queue = "ben, cleo"
-    assert moving.cells == ("bea1", "Simulation", "► moving", "ana (taken)", "", queue, "50", "0.0 s", "")
+    assert moving.cells == (
+        "bea1",
+        "Simulation",
+        "► moving",
+        "ana (taken)",
+        "",
+        queue,
+        "50",
+        "0.0 s",
+        "limit 20 °/s",
+    )
     assert rows[PLACE].cells[2:4] == ("■ frozen", "dora")
     assert rows["bea3", "sim"].condition is Condition.DISABLED
     assert rows["bea4", "sim"].condition is Condition.FAULT
@@ -87,7 +101,6 @@ def test_a_robot_that_was_away_when_a_seat_was_muted_is_named() -> None:
 
 def test_a_pupil_is_shown_by_name_and_muted_by_seat() -> None:
     now = replace(TEACHER, pupils={"cleo": "Cléo Brun (cleo)"})
-    same("state class.a pupil is shown by name and muted by seat", page(opened(), now).summary)
     (view,) = (view for view in page(opened(), now).seats if view.text == "Cléo Brun (cleo)")
     assert view.mute.intent == Govern(0, LeaseAction.MUTE, seat="cleo")
     muted = page(opened(), replace(with_first(muted=("cleo",)), pupils=now.pupils))
@@ -185,3 +198,91 @@ def test_both_stops_on_the_page_of_the_class_are_for_all_robots() -> None:
     assert state.handle(TogglePage(), TEACHER)[0] == WatchClass(on=False)
     assert state.handle(Stop(), TEACHER) == [SendStop(3)]
     assert state.handle(intents.Repeat(1), TEACHER) == [SendStop(4, everywhere=True)]
+
+
+# -- lessons -----------------------------------------------------------------------------------------
+
+NOT_MEASURED = Row("ana", "01-hello", Record().state(measured=False))
+STUCK = lesson("ana", "03-arms", stuck=5, tries=9)
+
+
+def shown(*reports: Row, now: World | None = None, language: str = "en") -> LessonsView:
+    world = replace(now or class_world(), reports=tuple(sorted(reports)))
+    return lessons.view(world, Texts(language))
+
+
+def row(*reports: Row) -> LessonRowView:
+    return next(row for row in shown(*reports).rows if row.seat == "ana")
+
+
+def test_a_row_shows_the_lesson_its_progress_and_the_number_of_passed_lessons() -> None:
+    made = row(lesson("ana", "01-hello", passed=True), lesson("ana", "02-steps", passed=True), STUCK)
+    assert made.cells == (
+        "ana",
+        "03-arms",
+        "▲ stuck for 5 checks; asked: a program that ends without an error",
+        "2",
+    )
+    assert made.progress is Progress.STUCK
+    assert made.marks == (Progress.PASSED, Progress.PASSED, Progress.STUCK)
+    assert made.details.splitlines() == [
+        "01-hello: ✓ passed (2)",
+        "02-steps: ✓ passed (2)",
+        "03-arms: ▲ stuck for 5 checks; asked: a program that ends without an error",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("reports", "cell"),
+    [
+        ([lesson("ana", "01-hello", passed=True)], ("01-hello", "✓ passed (2)")),
+        ([NOT_MEASURED], ("01-hello", "? computer too busy to measure (0)")),
+        ([lesson("ana", "01-hello", stuck=4, tries=4)], ("01-hello", "○ trying (4)")),
+        ([lesson("ana", "01-hello", passed=True, tries=1000)], ("01-hello", "✓ passed (1000)")),
+        ([lesson("ana", "01-hello", passed=True, tries=65535)], ("01-hello", "✗ impossible (65535)")),
+        ([lesson("ana", "01-hello", passed=True, tries=0)], ("01-hello", "✗ impossible (0)")),
+        ([lesson("ana", "01-hello", stuck=6, tries=5)], ("01-hello", "✗ impossible (5)")),
+        (
+            [lesson("ana", "01-hello"), lesson("ana", "02-steps", passed=True)],
+            ("01-hello", "○ trying (2)"),
+        ),
+        ([lesson("ana", "01-hello"), lesson("ana", "02-steps", tries=1)], ("02-steps", "○ trying (1)")),
+        (
+            [STUCK, lesson("ana", "04-look-there")],
+            ("03-arms", "▲ stuck for 5 checks; asked: a program that ends without an error"),
+        ),
+    ],
+)
+def test_the_lesson_of_a_seat_is_the_one_that_needs_help(reports: list[Row], cell: tuple[str, str]) -> None:
+    assert row(*reports).cells[1:3] == cell
+
+
+def test_stuck_seats_come_first_and_are_counted_in_the_title() -> None:
+    view = shown(lesson("zoe", "01-hello", stuck=6), lesson("ben", "02-steps", passed=True))
+    assert [row.seat for row in view.rows] == ["zoe", "ana", "ben", "cleo", "dora"]
+    assert view.title == "Lessons: 1 stuck"
+    assert view.columns == ("01", "02")
+    connected = view.rows[1]
+    assert connected.cells == ("ana", "", "no check yet", "")
+    assert connected.marks == (Progress.NONE, Progress.NONE)
+    assert shown(lesson("ben", "01-hello")).title == "Lessons"
+
+
+@pytest.mark.parametrize("language", ["en", "de"])
+def test_an_empty_page_says_why(language: str) -> None:
+    texts, now = Texts(language), class_world()
+    reading = lessons.view(now, texts).empty
+    failed = lessons.view(replace(now, reports_failed=True), texts).empty
+    none = lessons.view(replace(now, reports=()), texts).empty
+    lost = lessons.view(replace(now, phase=LinkPhase.NO_ROUTER), texts).empty
+    assert len({reading, failed, none, lost, ""}) == 5
+    assert "beatrix join" in none
+
+
+def test_old_reports_stay_and_are_marked_as_old() -> None:
+    now = full_class()
+    assert lessons.view(now, Texts("en")).notice == ""
+    for late in (replace(now, reports_failed=True), replace(now, phase=LinkPhase.NO_ROUTER)):
+        view = lessons.view(late, Texts("en"))
+        assert len(view.rows) == 30
+        assert view.notice.startswith("These reports may be old")

@@ -15,7 +15,6 @@ from msgspec.structs import fields
 from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
 from beatrix_zenoh.client.degrees import Path as MotionPath
-from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated import messages
 from beatrix_zenoh.contract._generated.messages import Alternative, Command, Detail, LeaseAction, Limit
 from beatrix_zenoh.contract.names import ARMS
@@ -30,21 +29,12 @@ from gui.console.state.world import World
 BOOL, NUMBER, ANGLES = st.booleans(), st.floats(), st.floats(-1e6, 1e6)
 SIDES = st.sampled_from(["sim", "hw"])
 SEATS = st.sampled_from(["ana", "ben", ""])
-DETAILS = st.sampled_from(
-    [
-        None,
-        Detail(),
-        refusals.not_enabled().detail,
-        refusals.emergency_latched().detail,
-        refusals.driven_by("ana", 1.0).detail,
-        refusals.home_known([1, 0, 0], 0.1).detail,
-        Detail(
-            limit=Limit.TILT, alternative=Alternative(head=messages.Head(0.1, 0.2, 0.3), arms=vector(1, 2, 3))
-        ),
-        Detail(limit=Limit.SPEED, alternative=Alternative(speed=vector(90, 90, 90))),
-        Detail(alternative=Alternative()),
-        Detail(needs=["FLASH"]),
-    ]
+POSE = Alternative(head=messages.Head(0.1, 0.2, 0.3), arms=vector(1, 2, 3))
+DETAILS = st.none() | st.builds(
+    Detail,
+    limit=st.none() | st.sampled_from(Limit),
+    alternative=st.sampled_from([None, Alternative(), POSE, Alternative(speed=vector(90, 90, 90))]),
+    needs=st.sampled_from([[], ["FLASH"], ["RESET"], ["ENABLE", "CALIBRATE"]]),
 )
 FIELDS: dict[str, st.SearchStrategy[Any]] = {
     "row": st.just(NEW),

@@ -7,7 +7,20 @@ from typing import Any
 
 import pytest
 from golden import same
-from gui_worlds import BOTH, accept, arms_of, plan, refused, robot, sent, state_after, vector, world
+from gui_worlds import (
+    BOTH,
+    absent,
+    accept,
+    arms_of,
+    plan,
+    refused,
+    robot,
+    sent,
+    state_after,
+    status,
+    vector,
+    world,
+)
 from present import present
 
 from beatrix_zenoh.contract._generated.messages import (
@@ -33,7 +46,7 @@ from gui.console.state.actions import Abort, Action, AskLease, MakeReady, Outcom
 from gui.console.state.arms import HoldArm
 from gui.console.state.intents import Jog
 from gui.console.state.state import State
-from gui.console.state.world import PlanPhase
+from gui.console.state.world import LinkPhase, PlanPhase, World
 
 # -- refusals ----------------------------------------------------------------------------------------
 
@@ -204,3 +217,38 @@ def test_undo_of_a_motion_of_both_goes_to_the_pose_of_the_hardware() -> None:
     accept(state, 1)
     back = sent(state.handle(intents.Undo(), world()))
     assert (back.sides, arms_of(back), back.lead_s) == (("sim", "hw"), (1, 2, 3), 2.0)
+
+
+# -- the end of a refusal ----------------------------------------------------------------------------
+
+WELL = world()
+
+
+def sim(**fields: Any) -> World:
+    return world(robot("sim", known=status("sim", **fields)))
+
+
+CAUSES = {
+    Reason.NOT_ENABLED: sim(enabled=False),
+    Reason.NOT_HOLDER: sim(holder="anna"),
+    Reason.NODE_LOST: world(robot("sim", age_s=3.0)),
+    Reason.NO_ROUTER: world(phase=LinkPhase.NO_ROUTER),
+}
+
+
+@pytest.mark.parametrize("reason", CAUSES)
+def test_a_refusal_goes_with_its_cause(reason: Reason) -> None:
+    state = state_after(Jog("short", 1))
+    refused(state, taken_by("anna").detail if reason is Reason.NOT_HOLDER else None, reason)
+    for now, shown in ((WELL, True), (CAUSES[reason], True), (WELL, False)):
+        state.follow(now)
+        assert (state.view(now).arms.refusal is not None) is shown
+
+
+@pytest.mark.parametrize("now", [world(absent("sim")), world(phase=LinkPhase.REFUSED)])
+def test_a_refusal_of_the_window_itself_goes_with_its_cause(now: World) -> None:
+    state = State()
+    assert state.handle(Jog("short", 1), now) == []
+    for then, shown in ((now, True), (WELL, False)):
+        state.follow(then)
+        assert (state.view(then).arms.refusal is not None) is shown

@@ -11,6 +11,7 @@ from gui.console.state import intents, saved
 from gui.console.state.intents import Theme
 from gui.console.state.saved import Saved, SavedPose
 from gui.console.state.state import State
+from gui.window.run import Autosave
 
 
 def test_choices_and_poses_are_those_of_the_previous_window(tmp_path: Path) -> None:
@@ -68,3 +69,30 @@ def test_the_file_of_an_earlier_window_is_read(tmp_path: Path) -> None:
 )
 def test_each_platform_has_its_folder(platform: str, environment: dict[str, str], path: Path) -> None:
     assert saved.path(platform, environment) == path
+
+
+# -- the file ----------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    path = tmp_path / "beatrix" / "window.json"
+    monkeypatch.setattr(saved, "path", lambda: path)
+    return path
+
+
+def test_a_saved_pose_survives_the_save_of_a_second_window(file: Path) -> None:
+    one, two = State(), State()
+    first, second = Autosave(one), Autosave(two)
+    one.handle(intents.SavePose("nod"), world())
+    first.save_changes()
+    assert [pose.name for pose in saved.load(file).poses] == ["nod"]
+    two.handle(intents.Choose("theme", Theme.PROJECTOR), world())
+    second.save_changes()
+    first.save_changes()
+    kept = saved.load(file)
+    assert ([pose.name for pose in kept.poses], kept.theme) == (["nod"], Theme.PROJECTOR)
+    one.handle(intents.DeletePose("nod"), world())
+    first.save_changes()
+    kept = saved.load(file)
+    assert (kept.poses, kept.theme) == ((), Theme.PROJECTOR)

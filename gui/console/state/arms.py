@@ -20,9 +20,8 @@ from beatrix_zenoh.motion.gear import Gear
 from gui.console.state import refusals
 from gui.console.state.actions import NEW, Action, Hold, Release, Send
 from gui.console.state.intents import ALL_ARMS, Intent, Jog
-from gui.console.state.memory import Memory, unreachable
-from gui.console.state.motions import Handles, send_arms
-from gui.console.state.motions import begin as begin_request
+from gui.console.state.memory import Handles, Memory, send_arms, unreachable
+from gui.console.state.memory import begin as begin_request
 from gui.console.state.views import ArmRowView, ArmsView, ButtonView
 from gui.console.state.world import World, commanded, reading
 
@@ -68,32 +67,20 @@ def _row(memory: Memory, world: World, arm: str) -> ArmRowView:
         sim=shown.get("sim", empty),
         hw=shown.get("hw", empty),
         difference=apart,
-        minus=_button(memory, world, Jog(arm, -1)),
-        plus=_button(memory, world, Jog(arm, +1)),
+        minus=_button(memory, Jog(arm, -1)),
+        plus=_button(memory, Jog(arm, +1)),
     )
 
 
-def _button(memory: Memory, world: World, jog: Jog) -> ButtonView:
+def _button(memory: Memory, jog: Jog) -> ButtonView:
     texts = memory.choices.texts
     text = texts("arm.plus") if jog.sign > 0 else texts("arm.minus")
     if not memory.choices.sides:
         return ButtonView(text, texts("off.unchecked"), jog, enabled=False)
     hold = texts("arm.hold_both" if len(memory.choices.sides) > 1 else "arm.hold")
-    return ButtonView(text, f"{_effect(memory, world, jog)}\n{hold}", jog)
-
-
-def _effect(memory: Memory, world: World, jog: Jog) -> str:
-    """Return the effect of the button, for its tooltip."""
-    choices = memory.choices
-    texts, by = choices.texts, jog.sign * choices.increment
-    title = texts(f"arm.{jog.arm}")
-    start = None if jog.arm == ALL_ARMS else _start(memory, world)
-    if start is None:
-        if choices.relative:
-            return texts("arm.effect_by", arm=title, by=by)
-        return texts("arm.effect_to", arm=title, goal=by)
-    angle: float = getattr(start, jog.arm)
-    return texts("arm.effect", arm=title, start=angle, goal=angle + by if choices.relative else by)
+    effect = "arm.effect_by" if memory.choices.relative else "arm.effect_to"
+    told = texts(effect, arm=texts(f"arm.{jog.arm}"), by=jog.sign * memory.choices.increment)
+    return ButtonView(text, f"{told}\n{hold}", jog)
 
 
 def jog(memory: Memory, world: World, intent: Jog) -> list[Action]:

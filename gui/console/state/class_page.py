@@ -14,13 +14,11 @@ from beatrix_zenoh.client.monitor import SeatStops, stops_by_seat
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.contract.names import TEACHER
-from gui.console.state import actions, connecting, history, leases, lessons, pills, refusals
+from gui.console.state import connecting, history, leases, lessons, pills, refusals
 from gui.console.state.actions import NEW, Action, ChooseRobot, Govern, SendStop, UseAccount, UseRouter
-from gui.console.state.eyes import microphones, wanted
 from gui.console.state.intents import LimitClass, TogglePage, WindowPage
 from gui.console.state.leases import limit_text
-from gui.console.state.memory import Memory, offline
-from gui.console.state.motions import Handles, begin
+from gui.console.state.memory import Handles, Memory, begin, offline
 from gui.console.state.views import (
     ClassRowView,
     ClassView,
@@ -34,8 +32,6 @@ from gui.console.texts import Texts
 CONTROL: Final = "class"
 STOPS_SHOWN: Final = 8
 """Largest number of seats whose STOPs are shown."""
-SEATS_NAMED: Final = 12
-"""Largest number of seats that the summary names; more would take the room of the lists, which name them, too."""
 
 
 def view(memory: Memory, world: World) -> ClassView | None:
@@ -65,12 +61,8 @@ def view(memory: Memory, world: World) -> ClassView | None:
 
 
 def _summary(world: World, texts: Texts) -> str:
-    robots, count = float(len({robot.robot for robot in world.robots})), float(len(world.seats))
-    if count > SEATS_NAMED:
-        text = texts("class.summary_many", robots=robots, count=count)
-    else:
-        seats = _shown(world, world.seats) or texts("unknown")
-        text = texts("class.summary", robots=robots, count=count, seats=seats)
+    robots = float(len({robot.robot for robot in world.robots}))
+    text = texts("class.summary", robots=robots, count=float(len(world.seats)))
     frozen = {robot.robot for robot in world.robots if robot.status is not None and robot.status.frozen}
     if frozen:
         text += " " + texts("class.frozen", frozen=float(len(frozen)), robots=robots)
@@ -154,22 +146,17 @@ def _result(memory: Memory, texts: Texts) -> tuple[str, bool | None]:
 
 def table(world: World, texts: Texts) -> tuple[ClassRowView, ...]:
     """Return a row for each robot."""
-    limit_shown = len(_limits(world)) < 2
-    return tuple(_row(robot, world, texts, limit_shown=limit_shown) for robot in world.robots)
+    return tuple(_row(robot, world, texts) for robot in world.robots)
 
 
-def _row(robot: RobotState, world: World, texts: Texts, *, limit_shown: bool) -> ClassRowView:
-    status = robot.status
-    found = pills.problem(robot, texts)
-    if found is None and status is not None:
-        found = _working(status, texts)
-    assert found is not None  # without a status, `problem` returns SILENT
+def _row(robot: RobotState, world: World, texts: Texts) -> ClassRowView:
+    status, found = robot.status, pills.problem(robot, texts) or pills.working(robot, texts)
     place = (robot.robot, robot.side)
     named = f"{robot.robot} ({texts(f'sides.{robot.side}')})"
     freeze = LeaseAction.UNFREEZE if status is not None and status.frozen else LeaseAction.FREEZE
     mine = status is not None and status.holder == world.seat and bool(status.lease)
     take = Govern(NEW, LeaseAction.GIVE_BACK if mine else LeaseAction.TAKE, (place,))
-    remarks = _remarks(status, found, texts, limit_shown=limit_shown)
+    remarks = _remarks(status, found, texts)
     if status is not None and (not world.class_robots or robot.robot in world.class_robots):
         missing = sorted(_muted(world) - {*status.muted})
         remarks += [texts("class.not_muted", seats=_shown(world, missing))] if missing else []
@@ -196,28 +183,16 @@ def _row(robot: RobotState, world: World, texts: Texts, *, limit_shown: bool) ->
     )
 
 
-def _remarks(
-    status: Status | None, found: pills.RobotCondition, texts: Texts, *, limit_shown: bool
-) -> list[str]:
-    """Return facts that the other cells of a row do not show.
-
-    The speed limit is one of them, unless the page shows it for all robots.
-    """
+def _remarks(status: Status | None, found: pills.RobotCondition, texts: Texts) -> list[str]:
+    """Return facts that the other cells of a row do not show."""
     remarks = [found.reason] if found.condition in (Condition.SILENT, Condition.FAULT) else []
     if status is None:
         return remarks
     if status.frozen and found.condition is not Condition.FROZEN:
         remarks.append(texts("condition.frozen_short"))
-    if status.speed_limit and not limit_shown:
+    if status.speed_limit:
         remarks.append(limit_text(status, texts))
     return [*remarks, *status.warnings]
-
-
-def _working(status: Status, texts: Texts) -> pills.RobotCondition:
-    """Return the condition of a robot without a fault, independent of the seat that drives it."""
-    if status.frozen:
-        return pills.RobotCondition(Condition.FROZEN, texts("condition.frozen_short"))
-    return pills.working(status, texts)
 
 
 def _driver(status: Status | None, world: World, texts: Texts) -> str:
@@ -233,19 +208,14 @@ def _driver(status: Status | None, world: World, texts: Texts) -> str:
 def toggle(memory: Memory, world: World, _intent: TogglePage) -> list[Action]:
     """Show the page or hide it; only in the teacher's window."""
     shown = memory.choices.page is WindowPage.CLASS
-    return show(memory, WindowPage.ROBOT if shown else WindowPage.CLASS) if world.is_teacher else []
+    if world.is_teacher:
+        show(memory, WindowPage.ROBOT if shown else WindowPage.CLASS)
+    return []
 
 
-def show(memory: Memory, page: WindowPage) -> list[Action]:
-    """Choose the page to show; return the actions after which only the data of this page are received."""
-    if page is memory.choices.page:
-        return []
+def show(memory: Memory, page: WindowPage) -> None:
+    """Choose the page to show."""
     memory.choices = structs.replace(memory.choices, page=page)
-    watched: list[Action] = [actions.WatchClass(page is WindowPage.CLASS)]
-    watched.append(actions.WatchCameras(wanted(memory.choices)))
-    if memory.choices.microphones:
-        watched.append(actions.WatchMicrophones(microphones(memory.choices)))
-    return watched
 
 
 def limit(memory: Memory, world: World, intent: LimitClass) -> list[Action]:
@@ -269,8 +239,8 @@ def choose_router(memory: Memory, world: World, intent: UseRouter | UseAccount) 
     """Return the actions of the choice of a router or account; while another one is being checked, it is ignored."""
     if isinstance(intent, UseRouter):
         intent = UseRouter(connecting.completed(intent.address))
-    shown = show(memory, WindowPage.ROBOT)  # the next seat may not be the teacher's
-    return shown if world.choosing else [*shown, intent]
+    show(memory, WindowPage.ROBOT)  # the next seat may not be the teacher's
+    return [] if world.choosing else [intent]
 
 
 def choose_robot(memory: Memory, world: World, intent: ChooseRobot) -> list[Action]:
@@ -280,7 +250,8 @@ def choose_robot(memory: Memory, world: World, intent: ChooseRobot) -> list[Acti
     if intent.name != world.robot:
         memory.forget_arms()
         given_back = leases.give_back_all(memory, world)
-    return [*show(memory, WindowPage.ROBOT), *given_back, intent]
+    show(memory, WindowPage.ROBOT)
+    return [*given_back, intent]
 
 
 HANDLES: Handles = {

@@ -15,12 +15,6 @@ from gui.console.state.memory import Request, sides_of
 from gui.console.state.views import CodeLine
 from gui.console.state.world import World
 
-VERBS = {
-    Command.ENABLE: "enable",
-    Command.CALIBRATE: "calibrate",
-    Command.RESET: "reset",
-}
-
 
 def program(lines: Sequence[CodeLine], world: World, title: str) -> tuple[CodeLine, ...]:
     """Return a whole program that runs these lines of `python` on the robot of the window.
@@ -53,7 +47,8 @@ def python(request: Request, variable: str = "twin", *, once: bool = False) -> s
         case Send(query=query, lead_s=lead_s):
             text = _motion_python(query, robot, lead_s, both=both)
         case SendCommand(command=command, value=value) if command is not Command.EMERGENCY_STOP:
-            text = f"{robot}.{_verb(command, on=value)}()"
+            verb = command.name.lower() if value else "disable"
+            text = f"{robot}.{verb}()"
         case MakeReady():
             text = f"{robot}.make_ready()"
         case SendStop(everywhere=False, emergency=False):
@@ -86,10 +81,6 @@ def _poses_python(poses: Sequence[ArmPose], robot: str, lead: str) -> list[str]:
     ]
     words = "at, short, middle, long, speed"
     return [f"play({robot}, Choreography([  # {words}", *steps, f"]){lead})"]
-
-
-def _verb(command: Command, *, on: bool) -> str:
-    return "disable" if command is Command.ENABLE and not on else VERBS[command]
 
 
 def _motion_python(query: MotionQuery | PoseQuery, robot: str, lead_s: float, *, both: bool) -> str:

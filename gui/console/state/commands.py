@@ -6,8 +6,7 @@ from beatrix_zenoh.contract._generated.messages import Command
 from gui.console.state import actions, refusals, sending, sequence
 from gui.console.state.actions import NEW, Action, MakeReady, SendCommand, SendStop, WriteFile
 from gui.console.state.intents import EmergencyStop, Intent, Repeat, RunCommand, Stop, Undo, WindowPage
-from gui.console.state.memory import Memory
-from gui.console.state.motions import Handles, again, begin, pass_on, send_arms
+from gui.console.state.memory import Handles, Memory, again, begin, pass_on, send_arms
 from gui.console.state.poses import way_back
 from gui.console.state.views import ButtonView, CommandsView, RecordView, button
 from gui.console.state.world import LinkPhase, World

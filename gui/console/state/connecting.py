@@ -11,8 +11,7 @@ from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 from gui.console.state import actions
 from gui.console.state.actions import Action, ConnectHardware, LookForPorts, StartSimulation
 from gui.console.state.intents import Intent
-from gui.console.state.memory import Memory
-from gui.console.state.motions import Handles, pass_on
+from gui.console.state.memory import Handles, Memory, pass_on
 from gui.console.state.views import ButtonView, ConnectView, RouterView, button
 from gui.console.state.world import LinkPhase, OwnAccount, UsbPort, World, online
 from gui.console.texts import Texts

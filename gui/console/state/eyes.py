@@ -6,12 +6,13 @@ from typing import Final
 
 from beatrix_zenoh.contract._generated.messages import CameraStatus
 from beatrix_zenoh.contract.names import EYES, SIDES
-from gui.console.state.actions import Action, WatchCameras, WatchMicrophones
-from gui.console.state.intents import Choose, Tab, WindowPage
+from gui.console.state import pills
+from gui.console.state.actions import Action, WatchCameras, WatchClass, WatchMicrophones
+from gui.console.state.intents import Tab, WindowPage
 from gui.console.state.memory import Memory
 from gui.console.state.saved import Choices
-from gui.console.state.views import EyeView, LevelView, SoundView
-from gui.console.state.world import LinkPhase, World, online, silent
+from gui.console.state.views import Condition, EyeView, LevelView, SoundView
+from gui.console.state.world import World, online
 from gui.console.texts import DEFAULT_LANGUAGE, Texts
 
 SHOWN: Final = tuple((side, eye) for side in SIDES for eye in EYES)
@@ -26,12 +27,14 @@ def wanted(choices: Choices) -> frozenset[tuple[str, str]]:
     return frozenset(SHOWN) if shown else frozenset()
 
 
-def watch(choices: Choices, intent: Choose) -> list[Action]:
-    """Return the change of subscriptions that follows from an intent."""
-    actions: list[Action] = [WatchCameras(wanted(choices))] if intent.name in ("cameras", "tab") else []
-    if intent.name == "microphones" or (choices.microphones and intent.name == "tab"):
-        actions.append(WatchMicrophones(microphones(choices)))
-    return actions
+def changes(before: Choices, after: Choices) -> list[Action]:
+    """Return the changes of subscriptions that follow from a change of choices."""
+    return [new for old, new in zip(_watched(before), _watched(after), strict=True) if new != old]
+
+
+def _watched(choices: Choices) -> tuple[Action, ...]:
+    shows_class = WatchClass(choices.page is WindowPage.CLASS)
+    return shows_class, WatchCameras(wanted(choices)), WatchMicrophones(microphones(choices))
 
 
 def view(memory: Memory, world: World) -> tuple[EyeView, ...]:
@@ -52,12 +55,9 @@ def view(memory: Memory, world: World) -> tuple[EyeView, ...]:
 def _reason(memory: Memory, world: World, side: str, eye: str) -> str:
     """Return why there is no picture; empty if there is one."""
     texts, status = memory.choices.texts, world.side(side).status
-    if not online(world, side):
-        if status is not None and world.phase is LinkPhase.ONLINE:
-            return texts("eye.lost", side=texts(f"side.{side}"))
-        return texts("eye.absent_sim") if side == "sim" else texts("eye.absent_hw")
-    if silent(world.side(side)):
-        return texts("eye.silent", side=texts(f"side.{side}"))
+    found = pills.finding(world, side, texts)
+    if found.condition in (Condition.ABSENT, Condition.SILENT):
+        return found.reason or found.text
     if not memory.choices.cameras:
         return texts("eye.cameras_off")
     if status is None:

@@ -8,8 +8,7 @@ from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.choreography import GESTURES
 from gui.console.state import refusals
 from gui.console.state.actions import NEW, POSES, Action, CopyProgram, EndFollowing, FollowFace, Play
-from gui.console.state.memory import Memory, unreachable
-from gui.console.state.motions import Handles, begin, lead_of, pass_on
+from gui.console.state.memory import Handles, Memory, begin, lead_of, pass_on, unreachable
 from gui.console.state.views import ButtonView, GesturesView, button
 from gui.console.state.world import World
 from gui.console.texts import Texts
@@ -83,12 +82,6 @@ def sees(robot: RobotState) -> bool:
     """Return whether the left eye of a robot has a camera that works, and shows more than the test picture."""
     cameras = () if robot.status is None else robot.status.cameras
     return any(camera.eye == EYE and camera.connected and camera.source != TEST_PICTURE for camera in cameras)
-
-
-def watching(memory: Memory, world: World) -> str:
-    """Return the side whose eye the shipped program uses, if this window has started it; else an empty string."""
-    sides = (row.sides for row in memory.rows if isinstance(row.request, FollowFace) and not row.ended)
-    return next(sides, ("",))[0] if world.face.running and not world.face.own else ""
 
 
 HANDLES: Handles = {Play: play, FollowFace: follow_face, EndFollowing: pass_on, CopyProgram: copy}

@@ -1,4 +1,4 @@
-"""The history: requests of this window with their outcomes, and those of other seats."""
+"""The history: requests of this window with their outcomes, those of other seats, and the program so far."""
 
 from __future__ import annotations
 
@@ -18,13 +18,15 @@ from beatrix_zenoh.contract._generated.messages import (
 )
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import actions, code_lines, other_seats
-from gui.console.state.actions import Govern, Outcome, Play, Send, SendStop
-from gui.console.state.memory import Memory, Request, RequestRow
+from gui.console.state.actions import NEW, Action, Govern, Outcome, Play, Send, SendStop, WriteFile
+from gui.console.state.intents import Intent
+from gui.console.state.memory import Handles, Memory, Request, RequestRow, begin
 from gui.console.state.refusals import reason_of, sentence, side_of, told_by
-from gui.console.state.views import HistoryRowView
+from gui.console.state.views import CodeLine, CodeView, HistoryRowView
 from gui.console.state.world import Trouble, World, news
 from gui.console.texts import Texts
 
+CONTROL = "commands"
 SHOWN = 100
 """Largest number of rows of the view."""
 SYMBOLS = {True: "✓", False: "✕", None: "…"}
@@ -95,7 +97,7 @@ def row_view(row: RequestRow, code: str) -> HistoryRowView:
 def _foreign(group: other_seats.Group, texts: Texts) -> HistoryRowView:
     began, query = group.began, group.query
     if query is not None and (query.absolute or isinstance(query, MotionQuery)):
-        text = _motion(query, texts, undoes=False)
+        text = _motion(query, texts)
     else:
         key = other_seats.WHATS.get(began.action, "")
         text = texts(key) if key else began.action
@@ -192,18 +194,18 @@ def what(row: RequestRow, texts: Texts) -> str:
     """Return a request in a few words."""
     request = row.request
     if isinstance(request, Send):
-        return _motion(request.query, texts, undoes=row.undoes)
+        return _motion(request.query, texts)
     return _other(request, texts)
 
 
-def _motion(query: MotionQuery | PoseQuery, texts: Texts, *, undoes: bool) -> str:
+def _motion(query: MotionQuery | PoseQuery, texts: Texts) -> str:
     if isinstance(query, PoseQuery):
         return texts("what.look" if query.absolute else "what.look_by", way=_way(query, texts))
     arms = arm_angles(query.position)
-    if query.absolute and not undoes and not any(arms):
+    if query.absolute and not any(arms):
         return texts("what.home")
     short, middle, long = (_number(angle, texts, signed=not query.absolute) for angle in arms)
-    key = "what.undo" if undoes else "what.move" if query.absolute else "what.move_by"
+    key = "what.move" if query.absolute else "what.move_by"
     return texts(key, short=short, middle=middle, long=long)
 
 
@@ -271,3 +273,53 @@ def _number(value: float, texts: Texts, *, signed: bool = False) -> str:
     rounded = round(value, 1) + 0.0
     text = texts("figure", value=rounded)
     return f"+{text}" if rounded > 0 and signed else text
+
+
+# -- the program so far -------------------------------------------------------------------------------
+
+
+class SaveProgram(Intent, frozen=True):
+    """Write the program so far."""
+
+    file: Path
+
+
+def code_view(memory: Memory, world: World) -> CodeView:
+    """Return the program so far."""
+    made_from = (memory.rows, world.robot, world.endpoint, world.who, memory.choices.language)
+    return memory.code.get(made_from, lambda: _program(memory, world))
+
+
+def _program(memory: Memory, world: World) -> CodeView:
+    texts = memory.choices.texts
+    lines = [line for row in memory.rows for line in _lines(row, texts)]
+    return CodeView(code_lines.program(lines, world, texts("code.title", robot=world.robot)))
+
+
+def _lines(row: RequestRow, texts: Texts) -> list[CodeLine]:
+    """Return the lines of one row; a request that did not do what was asked is a comment.
+
+    A play that repeats always ends early, so its lines play it once.
+    """
+    request = row.request
+    calls = [] if isinstance(request, SendStop) else code_lines.python(request, once=True).splitlines()
+    if not calls and not isinstance(request, SendStop):
+        return []  # it is no request to the robot of the window, or has no line of Python
+    text, good = result(row, texts)
+    repeated = isinstance(request, Play) and bool(request.again) and bool(row.accepted)
+    if calls and (good is not False or repeated):
+        return [CodeLine(call, row.number) for call in calls]
+    first, _, _ = text.partition(". ")
+    comment = " ".join(f"# {what(row, texts)}: {first}".split())
+    return [CodeLine(comment.removesuffix("."), row.number)]
+
+
+def save(memory: Memory, world: World, intent: SaveProgram) -> list[Action]:
+    """Return the action that writes the program so far."""
+    if not intent.file.name:
+        return memory.refuse(CONTROL, "cannot.file")
+    text = code_view(memory, world).text
+    return begin(memory, world, WriteFile(NEW, intent.file, text), CONTROL)
+
+
+HANDLES: Handles = {SaveProgram: save}

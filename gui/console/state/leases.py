@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from dataclasses import replace
 from typing import Final
 
+from beatrix_zenoh.client import Place
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import views
 from gui.console.state.actions import NEW, Action, AskLease, Govern
 from gui.console.state.intents import DismissNotice
-from gui.console.state.memory import Memory, Notice, Standing
-from gui.console.state.motions import Handles, begin
+from gui.console.state.memory import Handles, Memory, Notice, begin
 from gui.console.state.views import BannerView, ButtonView
 from gui.console.state.world import World, online, silent
 from gui.console.texts import Texts
 
 CONTROL: Final = "commands"
-NOTHING: Final = Standing()
 
 
 def button(world: World, side: str, texts: Texts) -> ButtonView | None:
@@ -53,8 +52,6 @@ def notes(status: Status, world: World, texts: Texts, *, holder_shown: bool) -> 
         found.append(texts("note.waiting", count=float(len(status.waiting))))
     if status.turn_s:
         found.append(texts("note.turn_left", seconds=float(status.turn_s)))
-    if status.frozen and world.is_teacher:  # for other seats this is the condition of the robot
-        found.append(texts("condition.frozen_short"))
     if status.speed_limit:
         found.append(limit_text(status, texts))
     return tuple(found)
@@ -73,34 +70,30 @@ def follow(memory: Memory, world: World) -> None:
 
     Store a notice about a lease that this seat gained or lost.
     """
-    kept: dict[tuple[str, str], Standing] = {}
+    kept: dict[Place, str] = {}
     for side in SIDES:
         place, status = (world.robot, side), world.side(side).status
-        before = memory.standings.get(place, NOTHING)
-        kept[place] = before
+        kept[place] = before = memory.standings.get(place, "")
         if status is not None and online(world, side):
             kept[place] = now = standing(status, world.seat)
             if now != before:
-                memory.lease_notice = _notice(memory, before, now, place, status.holder)
-    if kept != memory.standings:
-        memory.standings = kept
+                memory.lease_notice = _notice(memory, before, now, Notice("", *place, status.holder))
+    memory.standings = kept
 
 
-def standing(status: Status, seat: str) -> Standing:
-    """Return whether a seat has taken a robot or waits for it."""
-    return Standing(held=status.holder == seat and status.lease > 0, waiting=seat in status.waiting)
+def standing(status: Status, seat: str) -> str:
+    """Return `held` if a seat has taken a robot, `waiting` if it waits for it; else an empty string."""
+    if status.holder == seat and status.lease > 0:
+        return "held"
+    return "waiting" if seat in status.waiting else ""
 
 
-def _notice(
-    memory: Memory, before: Standing, now: Standing, place: tuple[str, str], holder: str
-) -> Notice | None:
-    robot, side = place
-    if now.held and before.waiting:
-        return Notice("lease.turn", {"robot": robot}, side)
-    last = _last_request(memory, side)
-    if before.held and not now.held and not (last and last.action is LeaseAction.GIVE_BACK):
-        key = "lease.lost" if holder else "lease.ended"
-        return Notice(key, {"robot": robot, "holder": holder}, side)
+def _notice(memory: Memory, before: str, now: str, notice: Notice) -> Notice | None:
+    if now == "held" and before == "waiting":
+        return replace(notice, key="lease.turn")
+    last = _last_request(memory, notice.side)
+    if before == "held" and not (last and last.action is LeaseAction.GIVE_BACK):
+        return replace(notice, key="lease.lost" if notice.holder else "lease.ended")
     return None
 
 
@@ -113,8 +106,8 @@ def _last_request(memory: Memory, side: str) -> AskLease | None:
 def banner(memory: Memory, world: World) -> BannerView | None:
     """Return the banner about a lease that was gained or lost, or about a frozen robot; None if there is neither."""
     texts, notice = memory.choices.texts, memory.lease_notice
-    if notice is not None and notice.slots["robot"] == world.robot:
-        slots: Mapping[str, str] = {**notice.slots, "side": texts(f"sides.{notice.side}")}
+    if notice is not None and notice.robot == world.robot:
+        slots = {"robot": notice.robot, "holder": notice.holder, "side": texts(f"sides.{notice.side}")}
         close = views.button(texts, "lease.dismiss", DismissNotice())
         return BannerView(texts(notice.key, **slots), (close,))
     frozen = tuple(side for side in SIDES if _is_frozen(world, side))
@@ -150,7 +143,7 @@ def give_back_all(memory: Memory, world: World) -> list[Action]:
     places = tuple(
         place
         for place, now in memory.standings.items()
-        if now != NOTHING and _last_request(memory, place[1]) is not None
+        if now and _last_request(memory, place[1]) is not None
     )
     memory.standings, memory.lease_notice = {}, None
     if not places:

@@ -29,14 +29,15 @@ class Progress(StrEnum):
     """no checks can have made this report"""
 
 
-SYMBOLS: Final = {
-    Progress.NONE: "–",
-    Progress.TRYING: "○",
-    Progress.STUCK: "▲",
-    Progress.NOT_MEASURED: "?",
-    Progress.PASSED: "✓",
-    Progress.IMPOSSIBLE: "✗",
+SHOWN: Final = {
+    Progress.NONE: ("–", "lessons.none"),
+    Progress.TRYING: ("○", "lessons.trying"),
+    Progress.STUCK: ("▲", "lessons.stuck_at"),
+    Progress.NOT_MEASURED: ("?", "lessons.not_measured"),
+    Progress.PASSED: ("✓", "lessons.passed"),
+    Progress.IMPOSSIBLE: ("✗", "lessons.impossible"),
 }
+SYMBOLS: Final = {progress: symbol for progress, (symbol, _) in SHOWN.items()}
 
 
 @dataclass(frozen=True)
@@ -79,9 +80,8 @@ def view(world: World, texts: Texts) -> LessonsView:
     rows.sort(key=lambda row: (row.progress is not Progress.STUCK, row.cells[0].casefold(), row.seat))
     stuck = sum(row.progress is Progress.STUCK for row in rows)
     old = world.reports_failed or world.phase is not LinkPhase.ONLINE
-    title = texts("lessons.stuck", count=float(stuck)) if stuck > 1 else texts("lessons.stuck_one")
     return LessonsView(
-        title=title if stuck else texts("lessons.title"),
+        title=texts("lessons.stuck", count=float(stuck)) if stuck else texts("lessons.title"),
         columns=columns,
         rows=tuple(rows),
         empty="" if rows else _empty(world, texts),
@@ -126,16 +126,7 @@ def _present(reports: list[Row]) -> Row | None:
 
 def _words(row: Row, texts: Texts) -> str:
     progress, state = Progress(row.progress), row.state
-    match progress:
-        case Progress.STUCK:
-            sentence = asked(row.lesson, state.figure, texts.code)
-            words = texts("lessons.stuck_at", asked=sentence, count=float(state.stuck))
-        case Progress.NOT_MEASURED:
-            words = texts("lessons.not_measured", count=float(state.tries))
-        case Progress.IMPOSSIBLE:
-            words = texts("lessons.impossible", count=float(state.tries))
-        case Progress.PASSED:
-            words = texts("lessons.passed", count=float(state.tries))
-        case _:
-            words = texts("lessons.trying", count=float(state.tries))
-    return f"{SYMBOLS[progress]} {words}"
+    symbol, key = SHOWN[progress]
+    stuck = progress is Progress.STUCK
+    sentence = asked(row.lesson, state.figure, texts.code) if stuck else ""
+    return f"{symbol} {texts(key, asked=sentence, count=float(state.stuck if stuck else state.tries))}"

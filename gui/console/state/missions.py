@@ -12,7 +12,7 @@ from gui.console.state.memory import Memory, RequestRow
 from gui.console.state.pills import problem
 from gui.console.state.sending import PAD, REASONS
 from gui.console.state.views import BannerView, button
-from gui.console.state.world import PlanPhase, World, online
+from gui.console.state.world import World, online
 
 STEPS: Final = ("ready", "drag", "send", "stop")
 MISSIONS: Final = ("no", "edge", "lead")
@@ -23,8 +23,6 @@ SIDE_DEG: Final = 5.0
 """How far a head turns to one side (yaw), so that it counts."""
 SWINGS, SWINGS_S = 3, 6.0
 """How many turns to alternate sides say no, and in which time (s)."""
-EARLY_S: Final = 0.2
-"""How long before its end the lead was beaten."""
 
 
 class SkipTask(Intent, frozen=True):
@@ -33,26 +31,6 @@ class SkipTask(Intent, frozen=True):
 
 class CloseGuide(Intent, frozen=True):
     """End steps and missions for good."""
-
-
-class Swings:
-    """When a head has turned from one side to the other."""
-
-    def __init__(self) -> None:
-        self._left: bool | None = None
-        """whether it has turned to the left last; None: to neither side yet"""
-        self._times: deque[float] = deque(maxlen=SWINGS)
-
-    def note(self, yaw: float, now_s: float) -> None:
-        """Note where the head is (deg) at a time (monotonic clock, s)."""
-        if abs(yaw) >= SIDE_DEG and (yaw > 0) is not self._left:
-            self._left = yaw > 0
-            self._times.append(now_s)
-
-    @property
-    def say_no(self) -> bool:
-        """Whether enough swings came soon enough after one another."""
-        return len(self._times) == SWINGS and self._times[-1] - self._times[0] <= SWINGS_S
 
 
 class Guide:
@@ -64,9 +42,8 @@ class Guide:
         self._since = 0
         """row of the newest request when the task began"""
         self._praise = False
-        self._swings: defaultdict[str, Swings] = defaultdict(Swings)
-        self._waited_s = 0.0
-        """how long the hardware would still have waited at the last call of `follow`; 0: it did not wait"""
+        self._turns: defaultdict[str, deque[tuple[bool, float]]] = defaultdict(lambda: deque(maxlen=SWINGS))
+        """by robot: whether its head turned to the left or right, in turn, and when (monotonic clock, s)"""
 
     def follow(self, memory: Memory, world: World) -> None:
         """Go on to the next task if the robots, or the outcomes of requests, show that the present one is done."""
@@ -74,18 +51,19 @@ class Guide:
             return
         for side in () if world.playing else SIDES:  # a gesture is no solution
             if online(world, side) and (seen := world.side(side).reading) is not None:
-                self._swings[side].note(seen.head.yaw, world.now_s)
+                self._note_turn(self._turns[side], seen.head.yaw, world.now_s)
         task = TASKS[self.done]
         if self._is_done(task, memory, world):
             self._praise = True
             self.done += 1
             if task != "drag":  # with Send on release, the target is sent while it is dragged
                 self._begin(memory)
-        plan = world.plan
-        if plan is None or plan.phase is not PlanPhase.LEADING:
-            self._waited_s = 0.0
-        elif plan.countdown_s:  # it is 0 between Send now and the motion of the hardware
-            self._waited_s = plan.countdown_s
+
+    @staticmethod
+    def _note_turn(turns: deque[tuple[bool, float]], yaw: float, now_s: float) -> None:
+        left = yaw > 0
+        if abs(yaw) >= SIDE_DEG and (not turns or left is not turns[-1][0]):
+            turns.append((left, now_s))
 
     def handle(self, memory: Memory, _world: World, intent: SkipTask | CloseGuide) -> list[Action]:
         """Go on to the next task, or end."""
@@ -111,8 +89,8 @@ class Guide:
         return BannerView(texts("guide.well_done", text=text) if self._praise else text, (skip, close))
 
     def _begin(self, memory: Memory) -> None:
-        self._since, self._waited_s = memory.numbers, 0.0
-        self._swings.clear()
+        self._since, memory.lead_beaten = memory.numbers, False
+        self._turns.clear()
 
     def _is_done(self, task: str, memory: Memory, world: World) -> bool:
         rows = [row for row in memory.rows if row.number > self._since]
@@ -129,20 +107,13 @@ class Guide:
             case "stop":
                 done = any(isinstance(row.request, SendStop) and _is_accepted(row) for row in rows)
             case "no":
-                done = any(swings.say_no for swings in self._swings.values())
+                found = [turns for turns in self._turns.values() if len(turns) == SWINGS]
+                done = any(turns[-1][1] - turns[0][1] <= SWINGS_S for turns in found)
             case "edge":
                 done = any(outcome.reason in REASONS for row in rows for outcome in row.outcomes.values())
             case _:
-                done = self._beats_the_lead(rows, world)
+                done = memory.lead_beaten
         return done
-
-    def _beats_the_lead(self, rows: list[RequestRow], world: World) -> bool:
-        """Return whether the user has sent, changed or aborted a motion while the hardware waited for it."""
-        phase = None if world.plan is None else world.plan.phase
-        if self._waited_s < EARLY_S or phase is PlanPhase.LEADING:
-            return False
-        motions = [row for row in rows if isinstance(row.request, Send)]
-        return bool(motions) and (motions[-1].dropped == "aborted" or phase is PlanPhase.SENT)
 
 
 def _is_aimed(memory: Memory, world: World) -> bool:

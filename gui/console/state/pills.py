@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final
 
 from beatrix_zenoh.client import RobotState
@@ -41,15 +43,15 @@ CONNECT: Final = "CONNECT"
 """a next step: choose the port of the hardware"""
 WAIT: Final = "WAIT"
 """a next step: wait for a robot that another seat holds"""
-NEXT_STEPS: Final = {
-    "START": "start",
-    CONNECT: "connect",
-    WAIT: "wait",
-    Command.ENABLE.name: "enable",
-    Command.CALIBRATE.name: "calibrate",
-    Command.RESET.name: "reset",
-    MAKE_READY: "ready",
+COMMANDS: Final = (Command.ENABLE, Command.CALIBRATE, Command.RESET)
+NEXT_STEPS: Final[Mapping[str, tuple[str, Callable[[str], Intent]]]] = {
+    "START": ("start", lambda _side: StartSimulation()),
+    CONNECT: ("connect", lambda _side: LookForPorts()),
+    WAIT: ("wait", partial(actions.AskLease, LeaseAction.WAIT)),
+    MAKE_READY: ("ready", actions.MakeReady),
+    **{step.name: (step.name.lower(), partial(RunCommand, step, True)) for step in COMMANDS},  # noqa: FBT003
 }
+"""Word of the text, and intent for a side, of each next step."""
 FAULT_CONDITIONS: Final = {
     Fault(word.upper()): word for word in ("emergency", "board_lost", "contract_mismatch", "assembly_left")
 }
@@ -73,9 +75,11 @@ class RobotCondition:
 
 def pill(world: World, side: str, texts: Texts) -> PillView:
     """Return the state of one robot."""
-    found, status = finding(world, side, texts), world.side(side).status
-    latency_s = world.latency_s.get(side)
-    here = found.condition is not Condition.ABSENT
+    found, latency_s, status = finding(world, side, texts), world.latency_s.get(side), world.side(side).status
+    if found.condition is Condition.ABSENT:
+        latency_s, status = None, None
+    step, english = found.next_step, texts.code == DEFAULT_LANGUAGE
+    off = "off.starting" if step == "START" and world.starting else ""
     return PillView(
         side=side,
         title=texts(f"side.{side}"),
@@ -83,15 +87,13 @@ def pill(world: World, side: str, texts: Texts) -> PillView:
         symbol=SYMBOLS[found.condition],
         text=found.text,
         reason=found.reason,
-        next_step=next_step_button(found.next_step, side, texts, starting=world.starting)
-        if found.next_step
-        else None,
-        latency=texts("latency", ms=1e3 * latency_s) if here and latency_s is not None else "",
-        notes=notes(found, status, world, texts) if here and status is not None else (),
-        lease=None if found.next_step else leases.button(world, side, texts),
+        next_step=next_step_button(step, side, texts, off) if step else None,
+        latency="" if latency_s is None else texts("latency", ms=1e3 * latency_s),
+        notes=() if status is None else notes(found, status, world, texts),
+        lease=None if step else leases.button(world, side, texts),
         menu=menu(world, side, texts),
-        warnings=_warnings(status, texts) if here and status is not None else (),
-        details=details(status, texts) if here and status is not None else "",
+        warnings=() if status is None or not english else tuple(status.warnings),
+        details="" if status is None else details(status, texts),
     )
 
 
@@ -107,11 +109,6 @@ def menu(world: World, side: str, texts: Texts) -> tuple[ButtonView, ...]:
     )
 
 
-def _warnings(status: Status, texts: Texts) -> tuple[str, ...]:
-    """Return the warnings of a robot, which are English: another language has them in the details."""
-    return tuple(status.warnings) if texts.code == DEFAULT_LANGUAGE else ()
-
-
 def notes(found: RobotCondition, status: Status, world: World, texts: Texts) -> tuple[str, ...]:
     """Return the notes beside the condition of a robot: that its microphones are on, and those about its lease."""
     driven = found.condition is Condition.DRIVEN
@@ -125,10 +122,7 @@ def finding(world: World, side: str, texts: Texts) -> RobotCondition:
     robot = world.side(side)
     if not online(world, side):
         return _absent(world, side, texts)
-    found = problem(robot, texts)
-    if found is None and robot.status is not None:
-        found = _shared(robot.status, world, texts) or working(robot.status, texts)
-    assert found is not None  # without a status, `problem` returns SILENT
+    found = problem(robot, texts) or _shared(robot, world, texts) or working(robot, texts)
     lost = robot.status is not None and fault_of(robot.status) is Fault.BOARD_LOST
     return replace(found, next_step=CONNECT) if lost and side == "hw" and world.own_hardware else found
 
@@ -156,8 +150,10 @@ def _unready(status: Status, side: str, texts: Texts) -> RobotCondition | None:
     return None
 
 
-def _shared(status: Status, world: World, texts: Texts) -> RobotCondition | None:
+def _shared(robot: RobotState, world: World, texts: Texts) -> RobotCondition | None:
     """Return why this seat cannot move a robot that is ready; None if it can."""
+    if (status := robot.status) is None:
+        return None
     if status.frozen and not world.is_teacher:
         return RobotCondition(Condition.FROZEN, texts("condition.frozen"), texts("reason.frozen"))
     if status.following is not FollowState.OFF:
@@ -173,9 +169,11 @@ def _shared(status: Status, world: World, texts: Texts) -> RobotCondition | None
     )
 
 
-def working(status: Status, texts: Texts) -> RobotCondition:
-    """Return MOVING or READY for a robot without a problem."""
-    if status.moving:
+def working(robot: RobotState, texts: Texts) -> RobotCondition:
+    """Return FROZEN, MOVING or READY for a robot without a problem, as the teacher sees it."""
+    if robot.status is not None and robot.status.frozen:
+        return RobotCondition(Condition.FROZEN, texts("condition.frozen_short"))
+    if robot.status is not None and robot.status.moving:
         return RobotCondition(Condition.MOVING, texts("condition.moving"))
     return RobotCondition(Condition.READY, texts("condition.ready"))
 
@@ -214,21 +212,10 @@ def _faulty(fault: Fault, status: Status, texts: Texts) -> RobotCondition:
     return RobotCondition(Condition.FAULT, text, texts.refusal(Reason(fault.value), None), step)
 
 
-def next_step_button(next_step: str, side: str, texts: Texts, *, starting: bool = False) -> ButtonView:
+def next_step_button(next_step: str, side: str, texts: Texts, off: str = "") -> ButtonView:
     """Return the button of a next step."""
-    off = "off.starting" if next_step == "START" and starting else ""
-    return button(texts, f"next.{NEXT_STEPS[next_step]}", next_step_intent(next_step, side), off)
-
-
-def next_step_intent(next_step: str, side: str) -> Intent:
-    """Return the intent of a next step."""
-    others: dict[str, Intent] = {
-        "START": StartSimulation(),
-        CONNECT: LookForPorts(),
-        MAKE_READY: actions.MakeReady(side),
-        WAIT: actions.AskLease(LeaseAction.WAIT, side),
-    }
-    return others.get(next_step) or RunCommand(Command[next_step], value=True, side=side)
+    word, intent = NEXT_STEPS[next_step]
+    return button(texts, f"next.{word}", intent(side), off)
 
 
 def details(status: Status, texts: Texts) -> str:

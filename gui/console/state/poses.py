@@ -9,8 +9,7 @@ from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.contract._generated.messages import Command
 from gui.console.state import gestures, intents, sequence
 from gui.console.state.actions import Action, MakeReady, SendCommand
-from gui.console.state.memory import Memory, Request, RequestRow
-from gui.console.state.motions import Handles, lead_of, send_arms
+from gui.console.state.memory import Handles, Memory, Request, RequestRow, lead_of, send_arms
 from gui.console.state.views import PosesView, button
 from gui.console.state.world import World, commanded
 

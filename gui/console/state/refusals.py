@@ -22,9 +22,8 @@ from beatrix_zenoh.contract._generated.messages import (
 from beatrix_zenoh.contract.errors import WrongUsage
 from gui.console.state.actions import Action, Outcome, Play, Send
 from gui.console.state.intents import AimHead, Choose, DismissRefusal, Intent, SetDuration, TakeAlternative
-from gui.console.state.memory import Memory, Refusal, Request, RequestRow
+from gui.console.state.memory import Handles, Memory, Refusal, Request, RequestRow, again, begin, head_of
 from gui.console.state.memory import sides_of as sides_of_request
-from gui.console.state.motions import Handles, again, begin, head_of
 from gui.console.state.pills import MAKE_READY, NEXT_STEPS, WAIT, finding, next_step_button
 from gui.console.state.views import ButtonView, Condition, RefusalView
 from gui.console.state.world import World
@@ -32,8 +31,6 @@ from gui.console.texts import Texts
 
 COMMAND: Final = "`beatrix"
 """part of an SDK message that gives a command to type, which the user of a face does not"""
-MODES: Final = ("sim", "hw", "relative")
-"""choices that answer a refusal of the window itself"""
 NAMED: Final = re.compile(r"[a-z0-9-]+ \((sim|hw)\): ")
 """beginning of an SDK message that names its robot"""
 
@@ -116,7 +113,7 @@ def hide_answered(memory: Memory, intent: Intent) -> None:
     """Hide the shown refusal if this intent answers it.
 
     A refusal beside the head pad is hidden when the user aims again; a refusal that the window itself made, when the
-    user chooses robots or mode.
+    user chooses something.
     """
     refusal = memory.refusal
     if refusal is None:
@@ -124,7 +121,7 @@ def hide_answered(memory: Memory, intent: Intent) -> None:
     # The refusal of Live stays until the release.
     dragged = memory.live_row is not None and memory.live_row < 0
     aimed = isinstance(intent, AimHead) and refusal.control == "head" and not dragged
-    if aimed or (isinstance(intent, Choose) and intent.name in MODES and refusal.outcome.key):
+    if aimed or (isinstance(intent, Choose) and refusal.outcome.key):
         memory.refusal = None
 
 

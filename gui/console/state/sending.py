@@ -13,10 +13,10 @@ from beatrix_zenoh.client.degrees import Reading, pose_query
 from beatrix_zenoh.contract._generated.messages import PoseQuery, Reason
 from beatrix_zenoh.contract._generated.robot import LimitsData
 from beatrix_zenoh.motion.limits import region
-from gui.console.state import gestures, intents, motions, refusals
+from gui.console.state import gestures, intents, refusals
 from gui.console.state.actions import NEW, Abort, Action, Outcome, Send, SendNow
 from gui.console.state.intents import AimHead, Change, Choose, HeadOrientation, LiveHead, SendHead
-from gui.console.state.memory import Memory, unreachable
+from gui.console.state.memory import Handles, Memory, begin, head_of, send_head, unreachable
 from gui.console.state.sequence_timing import limits_of
 from gui.console.state.views import DragView, HeadView, SendingView, button
 from gui.console.state.world import PlanPhase, PlanProgress, World, kept, reading, silent
@@ -26,6 +26,8 @@ PAD = "head"
 UPRIGHT = HeadOrientation(0.0, 0.0, 0.0)
 WITHIN_DEG = 0.1
 """How far inside the border the simulation stays that follows a target beyond it."""
+EARLY_S = 0.2
+"""How long before its end the lead was beaten."""
 STOPPED = 0
 """`Memory.live_row` after a STOP: nothing is sent before the next drag."""
 REFUSED = -1
@@ -117,10 +119,7 @@ def _without_plan(memory: Memory, world: World) -> tuple[str, str]:
         title = gestures.title(world.playing, texts)
         return texts("sending.playing", title=title), texts("sending.playing_text")
     if world.face.running:
-        eye = gestures.watching(memory, world)
-        if not eye:
-            return texts("sending.following"), texts("sending.playing_text")
-        return texts("sending.following"), texts("sending.following_text", side=texts(f"side.{eye}"))
+        return texts("sending.following"), texts("sending.following_text")
     held = memory.row(memory.held_row or 0)
     if held is not None and len(held.sides) > 1 and not (held.ended or held.dropped):
         return texts("sending.held"), texts("sending.held_text")
@@ -158,7 +157,7 @@ def aim(memory: Memory, _world: World, intent: AimHead) -> list[Action]:
 
 def send(memory: Memory, world: World, _intent: SendHead) -> list[Action]:
     """Return the action that sends the target of the pad."""
-    return motions.send_head(memory, world, target(memory, world), PAD)
+    return send_head(memory, world, target(memory, world), PAD)
 
 
 def end_lead(memory: Memory, world: World, intent: SendNow | Change | Abort) -> list[Action]:
@@ -168,6 +167,7 @@ def end_lead(memory: Memory, world: World, intent: SendNow | Change | Abort) -> 
     """
     if world.plan is None or not (_can_change(world.plan) or isinstance(intent, Abort)):
         return []
+    memory.lead_beaten |= world.plan.phase is PlanPhase.LEADING and world.plan.countdown_s >= EARLY_S
     if isinstance(intent, SendNow):
         return [intent]
     path = world.plan.path
@@ -196,7 +196,7 @@ def _drag(memory: Memory, limits: LimitsData) -> DragView:
     request = None if refusal is None or refusal.control != PAD else refusal.request
     if refusal is not None and isinstance(request, Send) and isinstance(request.query, PoseQuery):
         query = request.query
-        refused = motions.head_of(query)
+        refused = head_of(query)
         reason = choices.texts(REASONS.get(refusal.outcome.reason, "refused.other"))
     return DragView(choices.live, border_deg(limits.tilt_max, limits.gap_min), refused, reason)
 
@@ -219,7 +219,7 @@ def release(memory: Memory, world: World, _intent: intents.ReleaseHead) -> list[
         memory.live_row = None
     if target is None or ended or not memory.choices.send_on_release:
         return []
-    return motions.send_head(memory, world, target, PAD)
+    return send_head(memory, world, target, PAD)
 
 
 def note_refusal(memory: Memory, outcome: Outcome) -> None:
@@ -238,7 +238,7 @@ def _follow(memory: Memory, world: World) -> list[Action]:
     query = pose_query(target.yaw, pitch, roll, relative=False, speed=memory.choices.speed)
     row = None if memory.live_row is None else memory.row(memory.live_row)
     if row is None:
-        begun = motions.begin(memory, world, Send(NEW, query, sides), PAD)
+        begun = begin(memory, world, Send(NEW, query, sides), PAD)
         memory.live_row = memory.rows[-1].number if begun else REFUSED
         return begun
     if unreachable(memory, world, sides, PAD):
@@ -258,7 +258,7 @@ def _inside(world: World, target: HeadOrientation) -> tuple[float, float]:
     return target.pitch * shrink, target.roll * shrink
 
 
-HANDLES: motions.Handles = {
+HANDLES: Handles = {
     AimHead: aim,
     SendHead: send,
     SendNow: end_lead,

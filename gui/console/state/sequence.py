@@ -13,7 +13,7 @@ from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
 from beatrix_zenoh.client.motion_file import ARMS, FIGURE, SPEED, TIME
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import LimitsData
-from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
+from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
 from gui.console.state import code_lines, intents
 from gui.console.state import sequence_timing as timing
 from gui.console.state.actions import NEW, Action, Outcome, Play, WriteFile
@@ -25,12 +25,12 @@ from gui.console.state.intents import (
     RenamePose,
     SetDuration,
 )
-from gui.console.state.memory import Memory, RequestRow, unreachable
-from gui.console.state.motions import Handles, begin
+from gui.console.state.memory import Handles, Memory, RequestRow, begin, unreachable
 from gui.console.state.refusals import wrong_file
 from gui.console.state.saved import DURATION_MAX_S, SavedPose
 from gui.console.state.views import CardView, CodeLine, SequenceView, button
 from gui.console.state.world import World, commanded, online
+from gui.console.texts import Texts
 
 CONTROL: Final = "sequence"
 NONE: Final = "off.no_sequence"
@@ -51,13 +51,12 @@ def view(memory: Memory, world: World) -> SequenceView:
     start = None if world.playing else commanded(world, STARTS["sim"])
     limits = timing.limits_of(world)
     short = timing.too_short(poses, start, limits, loop=loop)
-    beyond = _beyond(memory, limits)
 
     def card(number: int, pose: SavedPose) -> CardView:
         head = timing.head_of(pose.arms)
         duration, problem = texts("sequence.seconds", seconds=pose.duration_s), ""
-        if number in beyond:
-            duration, problem = beyond[number]
+        if (refusal := timing.beyond(pose.arms, limits)) is not None:
+            duration, problem = _beyond(refusal, texts)
         elif number in short:
             duration = texts("sequence.least", seconds=short[number])
             problem = texts("sequence.too_short", seconds=short[number])
@@ -82,16 +81,11 @@ def view(memory: Memory, world: World) -> SequenceView:
     )
 
 
-def _beyond(memory: Memory, limits: LimitsData) -> dict[int, tuple[str, str]]:
-    """Return a word and a sentence for each pose that the limits do not allow, by its number."""
-    texts, poses, found = memory.choices.texts, memory.poses, {}
-    for number, (refusal, on_way) in timing.beyond(poses, limits, loop=memory.choices.loop).items():
-        detail = refusal.detail and structs.replace(refusal.detail, alternative=None, leaves_s=None)
-        text = texts.refusal(refusal.reason, detail)
-        hint = "sequence.way" if on_way else "sequence.beyond"
-        word = "sequence.too_close" if refusal.reason is Reason.ARM_GAP else "refused.tilt"
-        found[number] = texts(word), texts(hint, text=text, before=poses[number - 1].name)
-    return found
+def _beyond(refusal: Refused, texts: Texts) -> tuple[str, str]:
+    """Return a word and a sentence about a pose that the limits do not allow."""
+    detail = refusal.detail and structs.replace(refusal.detail, alternative=None, leaves_s=None)
+    word = "sequence.too_close" if refusal.reason is Reason.ARM_GAP else "refused.tilt"
+    return texts(word), texts("sequence.beyond", text=texts.refusal(refusal.reason, detail))
 
 
 def _hardware_off(memory: Memory, world: World) -> str:

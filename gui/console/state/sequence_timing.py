@@ -94,39 +94,18 @@ def too_short(
     return found
 
 
-def beyond(
-    poses: tuple[SavedPose, ...], limits: LimitsData, *, loop: bool
-) -> dict[int, tuple[Refused, bool]]:
-    """Return the refusal of each pose that the limits do not allow, by its number, and whether it is about the way to it.
-
-    The way to the first pose is checked only in a loop. The neck is that of the robot as it ships, because robots do
-    not report theirs to the window: the robot itself decides when the sequence is played.
-    """
-    found: dict[int, tuple[Refused, bool]] = {}
-    for number, pose in enumerate(poses):
-        before = poses[number - 1] if number or (loop and len(poses) > 1) else pose
-        speed = timed([pose], ArmAngles(*before.arms), limits)[0].speed
-        refusal, on_way = _refusal(before.arms, pose.arms, speed, limits)
-        if refusal is not None:
-            found[number] = refusal, on_way
-    return found
-
-
 @lru_cache(maxsize=1024)
-def _refusal(
-    start: tuple[float, float, float], goal: tuple[float, float, float], speed: float, limits: LimitsData
-) -> tuple[Refused | None, bool]:
-    """Return the refusal of a pose or of the way to it (arms in deg, deg/s); the flag tells that it is the way."""
-    rules = _rules(limits)
-    here, there = (ArmAngles(*map(math.radians, arms)) for arms in (start, goal))
-    on_way = False
+def beyond(arms: tuple[float, float, float], limits: LimitsData) -> Refused | None:
+    """Return the refusal of a pose (arms in deg) that the limits do not allow; None if they allow it.
+
+    The neck is that of the robot as it ships, because robots do not report theirs to the window: the robot itself
+    checks poses and ways when the sequence is played.
+    """
     try:
-        rules.check_pose(there)
-        on_way = True
-        rules.check_motion(here, (0.0, 0.0, 0.0), there, (math.radians(speed),) * 3, straight=False)
+        _rules(limits).check_pose([math.radians(angle) for angle in arms])
     except Refused as refusal:
-        return refusal, on_way
-    return None, False
+        return refusal
+    return None
 
 
 @lru_cache(maxsize=8)

@@ -16,15 +16,13 @@ from gui.console.state import (
     missions,
     pills,
     poses,
-    program,
     refusals,
     sending,
     sequence,
 )
 from gui.console.state.actions import Action, Outcome
 from gui.console.state.intents import Choose, Intent, WindowPage
-from gui.console.state.memory import Memory
-from gui.console.state.motions import Handles
+from gui.console.state.memory import Handles, Memory
 from gui.console.state.saved import Choices, Remembered, Saved, changed, choices_from
 from gui.console.state.views import HistoryRowView, View
 from gui.console.state.world import World
@@ -36,13 +34,12 @@ def choose(memory: Memory, world: World, intent: Choose) -> list[Action]:
     """Change a choice, and return the actions that follow from it; a value that no widget reports changes nothing."""
     memory.choices = changed(memory.choices, intent.name, intent.value) or memory.choices
     refusals.hide_answered(memory, intent)
-    ended = sending.spare_hardware(memory, world, intent)
-    return [*ended, *eyes.watch(memory.choices, intent)]
+    return sending.spare_hardware(memory, world, intent)
 
 
 TOPICS = (
     *(arms, class_page, commands, connecting, gestures, leases),
-    *(poses, program, refusals, sending, sequence),
+    *(history, poses, refusals, sending, sequence),
 )
 HANDLES: Handles = {
     Choose: choose,
@@ -94,7 +91,7 @@ class State:
             eyes=eyes.view(memory, world),
             sound=eyes.sound(memory, world),
             history=history.view(memory, world),
-            code=program.view(memory, world),
+            code=history.code_view(memory, world),
             record=commands.recording_view(memory, world),
             last=history.last(memory, world),
             last_detail=history.last_detail(memory, world),
@@ -123,7 +120,9 @@ class State:
         memory = self._memory
         if memory.choices.page is WindowPage.CLASS and isinstance(intent, intents.SendHead | intents.Undo):
             return []  # ignore their keys here, because their controls are on the other page
-        return self._handles[type(intent)](memory, world, intent)  # type: ignore[arg-type]  # it is of that class
+        before, handle = memory.choices, self._handles[type(intent)]
+        actions = handle(memory, world, intent)  # type: ignore[arg-type]  # it is of that class
+        return [*eyes.changes(before, memory.choices), *actions]
 
     def leave(self) -> None:
         """Forget leases and unfinished requests, because the session of this seat was closed."""

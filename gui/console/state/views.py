@@ -26,7 +26,7 @@ class Condition(StrEnum):
     DRIVEN = "driven"
     """another seat is its holder"""
     FROZEN = "frozen"
-    """the teacher has frozen it; in the teacher's window only on the page of the class"""
+    """the teacher has frozen it"""
     FAULT = "fault"
 
 

@@ -6,8 +6,8 @@ from PyQt5.QtCore import QSignalBlocker, Qt, pyqtSignal
 from PyQt5.QtGui import QColor, QFontDatabase, QGuiApplication
 from PyQt5.QtWidgets import QFileDialog, QListWidget, QListWidgetItem, QSizePolicy, QWidget
 
+from gui.console.state.history import SaveProgram
 from gui.console.state.intents import Repeat, Theme
-from gui.console.state.program import SaveProgram
 from gui.console.state.views import CodeLine, CodeView, HistoryRowView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
