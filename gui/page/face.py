@@ -62,15 +62,12 @@ class Driver:
     press: int = 0
     """number of the newest press of a held button"""
     row: int = 0
-    """row of its motion; 0: none, because the state has refused it"""
-    released: int = 0
-    """number of the newest press whose button was released"""
+    """row of its motion; 0: none, because the state has refused it, or the button was released"""
 
     @property
     def over(self) -> int:
         """All presses up to this number have ended; the page then shows its button released."""
-        ended = self.row and not self.link.holds(self.row)
-        return max(self.released, self.press if ended else 0)
+        return 0 if self.link.holds(self.row) else self.press
 
     def beat(self) -> None:
         """Record a heartbeat of the page, and clear `stopped`."""
@@ -238,10 +235,6 @@ class Face:
         ):
             self._stop(self, action)
 
-    def stop(self) -> None:
-        """Send STOP to both robots."""
-        self.carry_out(intents.Stop())
-
     def report(self, outcome: Outcome) -> None:
         """Show the outcome of a request."""
         self.state.report(outcome)
@@ -252,32 +245,27 @@ class Face:
         if driver is None:
             self.notify("page.watching")
             return
-        if hold.press > max(driver.press, driver.over):
+        if hold.press > driver.press:
             self.notify("")
             self.carry_out(ReleaseArm())
             driver.press, driver.row = hold.press, 0
-        if hold.press > driver.over:
-            for action in self.state.handle(HoldArm(hold.part, hold.sign), self._world):
-                driver.row = action.row if isinstance(action, Hold) else 0
-                self._do(action)
+        elif hold.press <= driver.over:
+            return
+        for action in self.state.handle(HoldArm(hold.part, hold.sign), self._world):
+            driver.row = action.row if isinstance(action, Hold) else 0
+            self._do(action)
 
     def release(self, number: int) -> None:
         """End the motion of a held button."""
-        if self.driver is not None:
-            self.driver.released = max(number, self.driver.released)
-            if number == self.driver.press:
-                self.carry_out(ReleaseArm())
+        if self.driver is not None and self.driver.press == number:
+            self.driver.row = 0
+            self.carry_out(ReleaseArm())
 
     def stop_moving(self) -> None:
         """Stop the robots if they move for this page, because the page is silent or hidden."""
         if self.driver is not None and self.driver.link.busy:
             self.driver.stopped = True
-            self.stop()
-
-    def drop(self) -> None:
-        """Drop what waits to be sent, because another page has sent STOP."""
-        if self.driver is not None:
-            self.driver.link.drop()
+            self.carry_out(intents.Stop())
 
 
 @cache

@@ -9,6 +9,7 @@ from typing import Final
 import msgspec
 from tornado import web, websocket
 
+from beatrix_zenoh.client import CameraImage
 from gui.console.state import actions, intents
 from gui.console.texts import DEFAULT_LANGUAGE, LANGUAGES, Texts
 from gui.page import messages, protection
@@ -243,27 +244,32 @@ class Pictures(Socket):
     def open(self, *_: str, **__: str) -> None:
         """Begin to send pictures of the robot and side in the URL; close the web socket if that is not online."""
         place = self.get_query_argument("robot", ""), self.get_query_argument("side", "")
-        self._sent: dict[Camera, int] = {}
         self._ready = [True, True]
+        self._newest: list[CameraImage | None] = [None, None]
+        """the picture of each eye that was not sent yet"""
         self._cameras = self.context.hub.start_pictures(self, place, self.changed)
         if self._cameras:
             self.set_nodelay(True)
         else:
             self.close()
 
-    def changed(self, camera: Camera) -> None:
-        """Send the newest picture, if the browser has drawn the last one of this eye."""
-        index = self._cameras.index(camera)
-        newest = self.context.hub.newest(camera)
-        if self._ready[index] and newest is not None and newest.seq != self._sent.get(camera):
-            self._ready[index], self._sent[camera] = False, newest.seq
-            self.send(bytes([index]) + newest.jpeg, binary=True)
+    def changed(self, camera: Camera, image: CameraImage) -> None:
+        """Take a new picture."""
+        eye = self._cameras.index(camera)
+        self._newest[eye] = image
+        self._send_newest(eye)
 
     def on_message(self, message: str | bytes) -> None:
         """Send the next picture of eye `0` or `1`, because the browser has drawn the last one."""
-        if message in ("0", "1") and self._cameras:
+        if message in ("0", "1"):
             self._ready[int(message)] = True
-            self.changed(self._cameras[int(message)])
+            self._send_newest(int(message))
+
+    def _send_newest(self, eye: int) -> None:
+        image = self._newest[eye]
+        if self._ready[eye] and image is not None:
+            self._ready[eye], self._newest[eye] = False, None
+            self.send(bytes([eye]) + image.jpeg, binary=True)
 
     def on_close(self) -> None:
         """Send no more pictures."""

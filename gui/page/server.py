@@ -110,9 +110,9 @@ async def _run(server: Server, hub: Hub, ready: Callable[[], None], shutdown: Sh
     """Send views and check heartbeats until a shutdown is requested, then close all connections."""
     ended = asyncio.Event()
     timers = [
+        ioloop.PeriodicCallback(lambda: ended.set() if shutdown.requested(0.0) else None, SHOW_MS),
         ioloop.PeriodicCallback(hub.show, SHOW_MS),
         ioloop.PeriodicCallback(hub.check_heartbeats, HEARTBEAT_MS),
-        ioloop.PeriodicCallback(lambda: ended.set() if shutdown.requested(0.0) else None, SHOW_MS),
     ]
     for timer in timers:
         timer.start()

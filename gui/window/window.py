@@ -66,7 +66,6 @@ class Window(QMainWindow):
             "escape": self._close_sheets,
         }
         self.keys = Keys(lambda: self.panels.stop_bar, acts)
-        self.keys.install()
         self._timer = QTimer(self)
         self._timer.timeout.connect(self._refresh_in_turn)
         self._timer.start(PERIOD_MS)
@@ -97,7 +96,7 @@ class Window(QMainWindow):
         self._delayed_refresh.stop()
         self._state.follow(self._world)
         self._show(self._state.view(self._world))
-        self.panels.show_world(self._world)
+        self.panels.plots.append(self._world)  # views do not contain the positions
 
     def handle(self, intent: Intent) -> None:
         """Carry out an intent and show its effect: at once, or after REFRESH_DELAY_MS if a robot answers it."""
@@ -120,7 +119,7 @@ class Window(QMainWindow):
 
     def show_image(self, side: str, image: CameraImage) -> None:
         """Show a picture of a camera."""
-        self.panels.show_image(side, image)
+        self.panels.eyes.show_image(side, image)
 
     def show_error(self, text: str) -> None:
         """Show an error of the window itself in a line over the panels."""

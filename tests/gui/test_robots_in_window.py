@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from gui_windows import HOME, Windowed, menu_button, near
 from present import present
-from PyQt5.QtCore import QPoint, Qt
+from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QLabel
 from robots import Stage
@@ -13,8 +13,7 @@ from robots import Stage
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import Fault
 from beatrix_zenoh.contract.names import ARMS
-from gui.console.state.intents import AimHead, HeadOrientation
-from gui.window.widgets.head3d_drag import SKULL, on_screen
+from gui.console.state.intents import HeadOrientation
 
 pytestmark = [
     pytest.mark.qt_log_ignore("This plugin does not support"),  # popups without a display
@@ -40,28 +39,6 @@ def test_each_column_shows_the_angles_of_its_robot(user: Windowed) -> None:
         user.until(lambda row=rows[arm]: shows(row.hw, 5) and shows(row.sim, 0), f"the angles of {arm}")  # type: ignore[misc]
     user.until(lambda: shows(head.numbers["hw", "yaw"], 5), "the yaw of the hardware")
     assert shows(head.numbers["sim", "yaw"], 0)
-
-
-@pytest.mark.long("motions in real time")
-def test_a_refused_target_offers_one_that_is_reached_and_undo_goes_back(
-    user: Windowed, robots: dict[str, Robot]
-) -> None:
-    panels = user.window.panels
-    user.press(panels.arms.rows["all"].plus)
-    for robot in robots.values():
-        user.until_at(robot, 5, 5, 5)
-    user.until_last("done")
-    user.window.handle(AimHead(0.0, 60.0, 0.0))
-    user.press(panels.sending.send)
-    user.until(panels.refusal.isVisible, "the target is refused")
-    assert "60.0°" in panels.refusal.text.text()
-    user.press(panels.refusal.alternative)
-    for robot in robots.values():
-        user.until(lambda robot=robot: robot.positions().head.pitch > 25, "it looks as far as it can")  # type: ignore[misc]
-    user.until_last("done")
-    user.press(panels.commands.buttons["undo"])
-    for robot in robots.values():
-        user.until_at(robot, 5, 5, 5)
 
 
 # -- commands -------------------------------------------------------------------------------------
@@ -203,18 +180,3 @@ def test_the_next_steps_of_a_pill_make_the_robot_ready(
         user.press(pills["hw"].next_step)
     user.until_ready("sim", "hw")
     assert all(robot.status().calibrated for robot in (sim, hw))
-
-
-@pytest.mark.long("test_head3d.py and test_link_plans.py have its parts")
-def test_the_dragged_head_is_sent_to_both_robots(user: Windowed, sim: Robot, hw: Robot) -> None:
-    head = user.window.panels.head3d.head
-    x, y, _ = on_screen(head.screen3d, user.state.view(user.window._world).head.target, SKULL)
-    user.drag(head, QPoint(round(x), round(y)), QPoint(round(x) - 40, round(y) - 15))
-    target = present(user.state.choices.target)
-    assert target.yaw > 10  # from behind, left is left
-    assert target.pitch < -3  # nose up
-    user.window.panels.head.pad.setFocus()
-    user.key(Qt.Key.Key_Return)
-    user.until_last("look", "done")
-    for robot in (sim, hw):
-        assert robot.positions().head == pytest.approx((target.yaw, target.pitch, target.roll), abs=0.5)

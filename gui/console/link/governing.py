@@ -57,6 +57,10 @@ class LessonReports:
         """Whether the last read failed, so that `rows` may be old."""
         return self._failed and self.watched
 
+    def watch(self, *, on: bool) -> None:
+        """Begin or end reading."""
+        self.watched = on
+
     def look(self, session: Session | None, now_s: float) -> None:
         """Read the reports again if it is time; returns at once."""
         if self.watched and session is not None and now_s >= self._due_s:

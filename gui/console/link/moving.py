@@ -61,8 +61,11 @@ class Moving:
     @property
     def plan(self) -> PlanProgress | None:
         """How far the newest motion of both robots is; None: there is none."""
-        plans = [request for request in self._requests.copy() if isinstance(request, PlannedMotion)]
+        plans = self._plans()
         return plans[-1].progress() if plans else None
+
+    def _plans(self) -> list[PlannedMotion]:
+        return [request for request in self._requests.copy() if isinstance(request, PlannedMotion)]
 
     @property
     def program(self) -> Program | None:
@@ -123,15 +126,14 @@ class Moving:
 
     def send_now(self) -> None:
         """Send the waiting motion of both robots to the hardware now."""
-        for request in self._requests.copy():
-            if isinstance(request, PlannedMotion) and request.motion is not None:
-                request.motion.send_now()
+        for plan in self._plans():
+            if plan.motion is not None:
+                plan.motion.send_now()
 
     def abort(self) -> None:
         """Stop the simulation and keep the hardware unmoved; if the motion was sent to the hardware, stop both."""
-        for request in self._requests.copy():
-            if isinstance(request, PlannedMotion):
-                self._end(request, WindowError(Reason.STOPPED, "result.aborted"))
+        for plan in self._plans():
+            self._end(plan, WindowError(Reason.STOPPED, "result.aborted"))
 
     def end_following(self) -> None:
         """End the program that follows a face, because the user wants it."""

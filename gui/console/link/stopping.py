@@ -16,7 +16,7 @@ YIELD_S = 0.002
 Report = Callable[[Outcome], None]
 
 
-def send_stop(sender: StopSender, session: Session, action: SendStop, report: Report) -> None:
+def send_stop(sender: StopSender, action: SendStop, session: Session, report: Report) -> None:
     """Send STOP or EMERGENCY_STOP; report an outcome for each of both robots, or one for all robots at the router.
 
     A side that was never online is done if the other one is known: STOP was sent to both, and there is nothing to stop.
