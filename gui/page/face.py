@@ -51,7 +51,6 @@ class Driver:
     """What a page has while it drives, or waits for a robot."""
 
     link: Link
-    robot: str
     seat: str
     beat_s: float
     """time of the last heartbeat of the page (monotonic clock, s)"""
@@ -118,6 +117,10 @@ class Face:
         """Begin with the choices that the browser has kept."""
         self.state, self._aimed = State(saved), False
         self.state.handle(intents.Choose("tab", Tab.EYES), self._world)
+
+    def show_class(self, *, on: bool) -> None:
+        """Show or hide the table of all robots."""
+        self.shows_class = on
 
     def notify(self, key: str, **slots: str) -> None:
         """Show a sentence beside the button *Drive*; no key: none."""

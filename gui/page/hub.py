@@ -124,8 +124,8 @@ class Hub:
             return
         given = f"web-{names.tidy(name, face.visitor)}"[:32].strip("-")
         seat = given if account is None else self.settings.who
-        drivers = (page.driver for page in self.pages if page.driver is not None)
-        if any((driver.robot, driver.seat) == (face.robot, seat) for driver in drivers):
+        rivals = (page.driver for page in self.pages if page.robot == face.robot and page.driver is not None)
+        if seat in {rival.seat for rival in rivals}:
             key = "page.name_in_use" if account is None else "page.seat_in_use"
             face.notify(key, robot=face.robot, seat=seat)
             return
@@ -135,7 +135,7 @@ class Hub:
         )
         link.look()
         face.notify("")
-        face.driver = Driver(link, face.robot, seat, time.monotonic())
+        face.driver = Driver(link, seat, time.monotonic())
 
     def end_driver(self, face: Face, key: str = "") -> None:
         """Close the link of a page, so that its robot stops and is free; the page shows the text `key` as the reason."""
@@ -172,14 +172,14 @@ class Hub:
     def stop(self, visitor: str, robot: str, stop: str, page: Face | None = None) -> None:
         """Send STOP to simulation and hardware of a name, for any page; ignore it if its number `stop` came before.
 
-        Other pages that drive this robot drop what waits to be sent. Without a page, one of this browser that shows the
-        robot reports the outcome; without such a page, no page does.
+        Other pages that drive this robot drop what waits to be sent. If `page` does not show the robot, one of this
+        browser that does reports the outcome; without such a page, no page does.
         """
         if not names.PATTERN.fullmatch(robot) or (visitor, stop) in self._stops:
             return
         self._stops.append((visitor, stop))
         own = [one for one in self.pages if one.visitor == visitor and one.robot == robot]
-        page = page or next(iter(sorted(own, key=lambda one: one.driver is None)), None)
+        page = page if page in own else next(iter(sorted(own, key=lambda one: one.driver is None)), None)
         for other in self.pages:
             if other is not page and other.robot == robot and other.driver is not None:
                 other.driver.link.drop()

@@ -145,18 +145,17 @@ def bind(port: int, address: str) -> socket.socket:
 
 def application(context: Context) -> web.Application:
     """Return the Tornado application with all routes of the server."""
-    shared = {"context": context}
     return web.Application(
         [
-            ("/", Front, shared),
-            ("/class", Projector, shared),
-            ("/stop", Stopper, shared),
-            ("/live", Live, shared),
-            ("/pictures", Pictures, shared),
-            (r"/static/([a-z.]+)", StaticFiles, {**shared, "path": str(STATIC)}),
+            ("/", Front),
+            ("/class", Projector),
+            ("/stop", Stopper),
+            ("/live", Live),
+            ("/pictures", Pictures),
+            (r"/static/([a-z.]+)", StaticFiles, {"path": str(STATIC)}),
         ],
         default_handler_class=Nothing,
-        default_handler_args=shared,
+        context=context,
         template_path=str(STATIC),
         cookie_secret=secrets.token_urlsafe(32),
         xsrf_cookies=True,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from gui_windows import HOME, Windowed, menu_button, near
 from present import present
-from PyQt5.QtCore import Qt
+from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QLabel
 from robots import Stage
@@ -14,6 +14,7 @@ from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import Fault
 from beatrix_zenoh.contract.names import ARMS
 from gui.console.state.intents import HeadOrientation
+from gui.window.widgets.head3d_drag import SKULL, on_screen
 
 pytestmark = [
     pytest.mark.qt_log_ignore("This plugin does not support"),  # popups without a display
@@ -180,3 +181,18 @@ def test_the_next_steps_of_a_pill_make_the_robot_ready(
         user.press(pills["hw"].next_step)
     user.until_ready("sim", "hw")
     assert all(robot.status().calibrated for robot in (sim, hw))
+
+
+@pytest.mark.long("test_head3d.py and test_link_plans.py have its parts")
+def test_the_dragged_head_is_sent_to_both_robots(user: Windowed, sim: Robot, hw: Robot) -> None:
+    head = user.window.panels.head3d.head
+    x, y, _ = on_screen(head.screen3d, user.state.view(user.window._world).head.target, SKULL)
+    user.drag(head, QPoint(round(x), round(y)), QPoint(round(x) - 40, round(y) - 15))
+    target = present(user.state.choices.target)
+    assert target.yaw > 10  # from behind, left is left
+    assert target.pitch < -3  # nose up
+    user.window.panels.head.pad.setFocus()
+    user.key(Qt.Key.Key_Return)
+    user.until_last("look", "done")
+    for robot in (sim, hw):
+        assert robot.positions().head == pytest.approx((target.yaw, target.pitch, target.roll), abs=0.5)

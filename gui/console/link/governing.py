@@ -21,7 +21,7 @@ REPORTS_S: Final = 5.0
 
 
 def robots_online(session: Session | None) -> tuple[RobotState, ...]:
-    """Return the states of all robots online, by name, the simulation first; for 60 robots it takes half a millisecond."""
+    """Return the states of all robots online, by name, the simulation first."""
     found = [] if session is None else session.monitor.robots()
     return tuple(robot for robot in found if robot.presence is not Presence.ABSENT)
 

@@ -19,13 +19,13 @@ from gui.console.link.connection import Connection, Probe, Session
 from gui.console.link.governing import LessonReports, robots_online, send_govern
 from gui.console.link.jobs import Jobs
 from gui.console.link.moving import Moving, RobotAction
-from gui.console.link.outcomes import WindowError, failed, stopped, written
+from gui.console.link.outcomes import WindowError, failed, stopped, write
 from gui.console.link.pictures import Camera, CameraStream, LevelStream, OnImage, Watcher, levels
-from gui.console.link.programs import Following
+from gui.console.link.programs import Following, copy
 from gui.console.link.routers import Routers, own_account
 from gui.console.link.stopping import send_stop
 from gui.console.state import actions
-from gui.console.state.actions import Action, Outcome, SendStop, WriteFile
+from gui.console.state.actions import Action, Outcome, SendStop
 from gui.console.state.world import World
 
 A = TypeVar("A", bound=RobotAction | actions.Govern | actions.Hold | SendStop)
@@ -181,8 +181,8 @@ class Link:
             actions.UseRouter: self._routers.choose,
             actions.UseAccount: self._routers.choose,
             actions.EndFollowing: lambda _: moving.end_following(),
-            actions.CopyProgram: moving.face.copy,
-            WriteFile: lambda action: self._jobs.put("files", lambda: self._write(action)),
+            actions.CopyProgram: lambda action: self._keep(lambda: copy(action)),
+            actions.WriteFile: lambda action: self._keep(lambda: write(action)),
         }
 
     def _follow(self) -> None:
@@ -195,9 +195,8 @@ class Link:
             self._moving.deselect()
         self._connection.select(robot)
 
-    def _write(self, action: WriteFile) -> None:
-        content = action.content if isinstance(action.content, bytes) else action.content.encode()
-        self._report(written(action.row, action.file, lambda: action.file.write_bytes(content)))
+    def _keep(self, write: Callable[[], Outcome]) -> None:
+        self._jobs.put("files", lambda: self._report(write()))
 
     def _report(self, outcome: Outcome) -> None:
         """Report an outcome on a thread of the link, in the order of the calls."""

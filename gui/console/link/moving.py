@@ -46,7 +46,7 @@ class Moving:
     def __init__(self, jobs: Jobs, report: Report) -> None:
         """Store the arguments; `report` is called with the outcomes of requests."""
         self._jobs, self._report = jobs, report
-        self.face = FaceProgram(jobs, report)
+        self.face = FaceProgram()
         self._lock = threading.Lock()
         self._requests: list[Request] = []
         """those that wait or are under way, the oldest first"""

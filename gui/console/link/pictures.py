@@ -13,7 +13,6 @@ from beatrix_zenoh.client import CameraImage, Client
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.client.sound import Microphones, Sound
 from beatrix_zenoh.client.subscription import Subscription, images
-from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
 from gui.console.link.connection import Session
 from gui.console.link.jobs import Jobs
@@ -62,10 +61,8 @@ class MediaStream(Generic[Media]):
             except NoAnswer:
                 self._ended.wait(RETRY_S)
                 continue
-            except WrongUsage as error:
-                if error.reason is Reason.SHUTDOWN:
-                    return
-                raise
+            except WrongUsage:
+                return  # the client was closed
             with self._lock:
                 self._subscription = subscription
                 if self._ended.is_set():  # `end` was called too early to close it

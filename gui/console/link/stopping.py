@@ -31,13 +31,12 @@ def send_stop(sender: StopSender, action: SendStop, session: Session, report: Re
             report(of_several(action.row, len(answers), failures))
             return
         for place, answer in answers.items():
-            side = place[1]
-            if known and place not in known and place in failures:
-                report(done(action.row, side, ""))
-            elif isinstance(answer, BeatrixError):
-                report(failed(action.row, side, answer))
+            if not isinstance(answer, BeatrixError):
+                report(done(action.row, place[1], answer.message, time.monotonic() - began_s))
+            elif known and place not in known:
+                report(done(action.row, place[1], ""))
             else:
-                report(done(action.row, side, answer.message, time.monotonic() - began_s))
+                report(failed(action.row, place[1], answer))
 
     places = [("*", "*")] if action.everywhere else [hw, sim]
     if action.emergency:
