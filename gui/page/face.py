@@ -66,7 +66,7 @@ class Driver:
     @property
     def over(self) -> int:
         """All presses up to this number have ended; the page then shows its button released."""
-        return 0 if self.link.holds(self.row) else self.press
+        return 0 if self.link.moving.holds(self.row) else self.press
 
     def beat(self) -> None:
         """Record a heartbeat of the page, and clear `stopped`."""
@@ -95,15 +95,13 @@ class Face:
         """
         self.robot, self._world = world.robot, world
         self.visitor, self.close = visitor, close
-        self.found = True
-        """False while the page waits for the first robot, because none was online when it was opened."""
         self.driver: Driver | None = None
         self.shows_class = False
         self.state = State()
         self._send, self._stop = send, stop
         self._notice: tuple[str, dict[str, str]] = ("", {})
-        self._aimed = False
-        """Whether the boxes of the robots fit to the robots that are online."""
+        self.aimed = False
+        """whether the robot has been online, and the boxes of simulation and hardware fit to it"""
         self._sent: dict[str, bytes] = {}
         self._unread, self._sent_s = 0, 0.0
         self.open(Saved())
@@ -115,7 +113,7 @@ class Face:
 
     def open(self, saved: Saved) -> None:
         """Begin with the choices that the browser has kept."""
-        self.state, self._aimed = State(saved), False
+        self.state, self.aimed = State(saved), False
         self.state.handle(intents.Choose("tab", Tab.EYES), self._world)
 
     def show_class(self, *, on: bool) -> None:
@@ -150,8 +148,8 @@ class Face:
         """Compare leases; ask for each robot that comes online, and check the box of the only robot online."""
         self.state.follow(world)
         here = [side for side in SIDES if online(world, side)]
-        if here and not self._aimed:
-            self._aimed = True
+        if here and not self.aimed:
+            self.aimed = True
             self.state.handle(intents.Choose("sim", value="sim" in here), world)
             self.state.handle(intents.Choose("hw", value="sim" not in here), world)
         driver = self.driver
@@ -266,7 +264,7 @@ class Face:
 
     def stop_moving(self) -> None:
         """Stop the robots if they move for this page, because the page is silent or hidden."""
-        if self.driver is not None and self.driver.link.busy:
+        if self.driver is not None and self.driver.link.moving.busy:
             self.driver.stopped = True
             self.carry_out(intents.Stop())
 

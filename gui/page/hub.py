@@ -81,10 +81,8 @@ class Hub:
 
     def new_page(self, visitor: str, send: Callable[[bytes], None], close: Callable[[], None]) -> Face:
         """Return the face of a new page, which shows the first robot; `close` closes the page's web socket."""
-        robots = self.robots()
-        robot = next(iter(robots), self._only or self.settings.robot)
+        robot = next(iter(self.robots()), self._only or self.settings.robot)
         face = Face(self._link.world(robot), visitor, send, close, self._stop)
-        face.found = bool(robots)
         self.pages.add(face)
         return face
 
@@ -93,9 +91,8 @@ class Hub:
         self._link.look()
         robots = self.robots()
         for face in self.pages if robots else ():
-            if not face.found:
-                face.found = True
-                self.watch(face, robots[0])
+            if not face.aimed and face.robot not in robots:
+                self.watch(face, robots[0])  # none was online when the page was opened
         shown = any(face.shows_class for face in self.pages)
         states = robots_online(self._link.session) if shown else ()
         watched = {face.robot for face in self.pages if face.driver is None}
@@ -156,7 +153,7 @@ class Hub:
             silent_s = time.monotonic() - driver.beat_s
             if silent_s > GONE_S:
                 self.end_driver(face, "page.gone")
-            elif silent_s > DEAD_MAN_S and driver.link.busy and not driver.stopped:
+            elif silent_s > DEAD_MAN_S and driver.link.moving.busy and not driver.stopped:
                 face.stop_moving()
                 face.notify("page.silent")
 

@@ -163,12 +163,8 @@ def qt_application() -> QApplication:
 
 def chosen_state(theme: Theme | None, language: str | None) -> State:
     """Return a state with the saved choices; options of the command line take precedence."""
-    choices = saved.load(saved.path())
-    if theme is not None:
-        choices = msgspec.structs.replace(choices, theme=theme)
-    if language is not None:
-        choices = msgspec.structs.replace(choices, language=language)
-    return State(choices)
+    kept = saved.load(saved.path())
+    return State(msgspec.structs.replace(kept, theme=theme or kept.theme, language=language or kept.language))
 
 
 @contextlib.contextmanager

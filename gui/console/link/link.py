@@ -58,32 +58,22 @@ class Link:
             source: the face, for the events of robots.
             shared: a session whose states of robots and seats this link reads; None: it receives them itself.
         """
-        self._on_outcome = on_outcome
+        self._on_outcome, self._on_image = on_outcome, on_image
         self._default_seat = names.default_seat()
         jobs, report = Jobs("window"), self._report
         self._jobs = jobs
-        self._cameras = Watcher[Camera, CameraStream](
-            "cameras",
-            jobs,
-            lambda: self.session,
-            lambda session, eye: CameraStream(session.client, (session.twin.name, *eye), on_image),
-        )
-        self._levels = Watcher[str, LevelStream](
-            "levels",
-            jobs,
-            lambda: self.session,
-            lambda session, side: LevelStream(session.client, (session.twin.name, side)),
-        )
+        self._cameras = Watcher[Camera, CameraStream]("cameras", jobs, lambda: self.session, self._see)
+        self._levels = Watcher[str, LevelStream]("levels", jobs, lambda: self.session, self._hear)
         self._connection = Connection(
             settings, jobs, self._follow, name_given=name_given, source=source, shared=shared
         )
-        self._moving = Moving(jobs, report)
+        self.moving = Moving(jobs, report)
         self._stop_sender = StopSender("window")
         self._lessons = LessonReports(jobs)
         self._probes = {side: Probe(side, jobs) for side in SIDES}
         self._children = Children(jobs, self._connection.try_now)
         self._recordings, self._ports = Recordings(jobs), Ports(jobs)
-        self._routers = Routers(jobs, self._connection, self._moving.deselect)
+        self._routers = Routers(jobs, self._connection, self.moving.deselect)
         self._table = self._carrying_out()
 
     def look(self) -> None:
@@ -95,14 +85,9 @@ class Link:
         """The session with the router; None until a router answers."""
         return self._connection.session
 
-    @property
-    def busy(self) -> bool:
-        """Whether robots move, or are about to move, for this link."""
-        return self._moving.busy
-
     def world(self, robot: str = "") -> World:
         """Return the present world, by default of the selected robot; call it in one thread only, for a window Qt's."""
-        connection, moving, program = self._connection, self._moving, self._moving.program
+        connection, moving, program = self._connection, self.moving, self.moving.program
         play = program if isinstance(program, Playing) else None
         latency_s = {} if robot else {side: probe.round_trip_s for side, probe in self._probes.items()}
         robot = robot or connection.robot
@@ -156,7 +141,7 @@ class Link:
 
     def _carrying_out(self) -> Mapping[type[Action], Callable[[Never], None]]:
         """Return what carries out the actions of each class."""
-        moving, connection, children, online = self._moving, self._connection, self._children, self._online
+        moving, connection, children, online = self.moving, self._connection, self._children, self._online
         motions = (actions.Send, actions.Play, actions.FollowFace)
         requests = (*motions, actions.SendCommand, actions.AskLease, actions.MakeReady)
         return {
@@ -185,6 +170,12 @@ class Link:
             actions.WriteFile: lambda action: self._keep(lambda: write(action)),
         }
 
+    def _see(self, session: Session, eye: Camera) -> CameraStream:
+        return CameraStream(session.client, (session.twin.name, *eye), self._on_image)
+
+    def _hear(self, session: Session, side: str) -> LevelStream:
+        return LevelStream(session.client, (session.twin.name, side))
+
     def _follow(self) -> None:
         """Receive pictures and levels of the present session's robots from now on."""
         self._cameras.restart()
@@ -192,7 +183,7 @@ class Link:
 
     def _select(self, robot: str) -> None:
         if robot != self._connection.robot:
-            self._moving.deselect()
+            self.moving.deselect()
         self._connection.select(robot)
 
     def _keep(self, write: Callable[[], Outcome]) -> None:
@@ -208,11 +199,7 @@ class Link:
     def _request(self, action: RobotAction, session: Session) -> None:
         """Carry out an action that robots answer."""
         settings = replace(self._connection.settings, robot=session.twin.name)
-        self._moving.request(action, session.twin, settings)
-
-    def holds(self, row: int) -> bool:
-        """Return whether the button of a hold is held, and its motion has not ended."""
-        return self._moving.holds(row)
+        self.moving.request(action, session.twin, settings)
 
     # -- STOP ---------------------------------------------------------------------------------------
 
@@ -234,14 +221,14 @@ class Link:
 
     def drop(self) -> None:
         """Drop waiting requests, and end plans, plays and programs, because STOP was pressed."""
-        self._moving.drop(stopped())
+        self.moving.drop(stopped())
 
     # -- the end ------------------------------------------------------------------------------------
 
     def close(self) -> None:
         """Stop the motions of this window, close the session and end all children; takes at most 3 s."""
         deadline_s = time.monotonic() + CLOSE_S
-        self._moving.drop(WindowError(Reason.SHUTDOWN, "result.closed"))
+        self.moving.drop(WindowError(Reason.SHUTDOWN, "result.closed"))
         for part in (self._stop_sender, self._cameras, self._levels):
             part.close()
         # In parallel, because each may need all of the time, for example while a recorder completes its file.

@@ -15,7 +15,6 @@ from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.client.twin_motion import TwinMotion, TwinReplies
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
-from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import Settings
 from gui.console.link.choreographies import Playing
 from gui.console.link.jobs import Jobs
@@ -117,12 +116,8 @@ class Moving:
 
     def holds(self, row: int) -> bool:
         """Return whether the press of this row has not ended."""
-        return (
-            self._held is not None
-            and self._held.row == row
-            and not self._held.ends
-            and not self._held.over.is_set()
-        )
+        held = self._held
+        return held is not None and held.row == row and not (held.ends or held.over.is_set())
 
     def send_now(self) -> None:
         """Send the waiting motion of both robots to the hardware now."""
@@ -141,20 +136,6 @@ class Moving:
             program.end(None)
 
     # -- the end of requests ------------------------------------------------------------------------
-
-    def make_way(self, sides: tuple[str, ...] = SIDES, *, leading: bool = True) -> list[Request]:
-        """End what a new motion of these sides replaces, and return the programs that it must wait for.
-
-        A robot replaces the motion that it makes by itself. `leading`: also end a motion whose lead has not passed.
-        """
-        programs: list[Request] = []
-        for request in self._requests.copy():
-            if isinstance(request, Program):
-                programs.append(request)
-            waits = request.moves and not request.running and {*sides} & {*request.sides}
-            if isinstance(request, Program) or waits or (leading and request.leading):
-                self._end(request, replaced())
-        return programs
 
     def drop(self, why: BeatrixError) -> None:
         """End all requests; the caller stops robots that move already."""
@@ -193,14 +174,26 @@ class Moving:
 
     def _put(self, request: Request) -> None:
         """Queue a request, which ends what it replaces."""
-        programs: list[Request] = []
-        if request.moves:
-            programs = self.make_way(request.sides, leading=isinstance(request, Program))
+        programs = self._make_way(request) if request.moves else []
         with self._lock:
             self._requests.append(request)
         self._jobs.put(request.queue, lambda: self._run(request, programs))
 
-    def _run(self, request: Request, programs: list[Request]) -> None:
+    def _make_way(self, new: Request) -> list[Program]:
+        """End what a new motion replaces, and return the programs that it must wait for.
+
+        A robot replaces the motion that it makes by itself.
+        """
+        present = self._requests.copy()
+        programs = [request for request in present if isinstance(request, Program)]
+        for request in present:
+            waits = request.moves and not request.running and {*new.sides} & {*request.sides}
+            leads = request.leading and isinstance(new, Program)
+            if request in programs or waits or leads:
+                self._end(request, replaced())
+        return programs
+
+    def _run(self, request: Request, programs: list[Program]) -> None:
         for program in programs:
             program.over.wait(PROGRAM_S)
         if request.over.is_set():

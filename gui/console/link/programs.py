@@ -24,8 +24,8 @@ from gui.console.state.world import FaceProgress
 
 NAME: Final = "follow_the_face.py"
 SHIPPED: Final = Path(str(resources.files("beatrix_zenoh"))) / "examples" / NAME
-END_S = 1.0
-"""Time (s) in which the program ends itself; after it the program is killed."""
+END_S = 1.4
+"""Time (s) in which the program ends; 0.4 s before, it is killed."""
 
 STILL_S = 0.3
 """Time (s) after which a person at the same place stands still."""
