@@ -55,7 +55,7 @@ class Moving:
     @property
     def busy(self) -> bool:
         """Whether robots move, or are about to move, for the link."""
-        return bool(self._requests)
+        return any(request.moves for request in self._requests.copy())
 
     @property
     def plan(self) -> PlanProgress | None:
