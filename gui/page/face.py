@@ -51,7 +51,6 @@ class Driver:
     """What a page has while it drives, or waits for a robot."""
 
     link: Link
-    robot: str
     seat: str
     beat_s: float
     """time of the last heartbeat of the page (monotonic clock, s)"""
@@ -62,15 +61,12 @@ class Driver:
     press: int = 0
     """number of the newest press of a held button"""
     row: int = 0
-    """row of its motion; 0: none, because the state has refused it"""
-    released: int = 0
-    """number of the newest press whose button was released"""
+    """row of its motion; 0: none, because the state has refused it, or the button was released"""
 
     @property
     def over(self) -> int:
         """All presses up to this number have ended; the page then shows its button released."""
-        ended = self.row and not self.link.holds(self.row)
-        return max(self.released, self.press if ended else 0)
+        return 0 if self.link.moving.holds(self.row) else self.press
 
     def beat(self) -> None:
         """Record a heartbeat of the page, and clear `stopped`."""
@@ -99,15 +95,13 @@ class Face:
         """
         self.robot, self._world = world.robot, world
         self.visitor, self.close = visitor, close
-        self.found = True
-        """False while the page waits for the first robot, because none was online when it was opened."""
         self.driver: Driver | None = None
         self.shows_class = False
         self.state = State()
         self._send, self._stop = send, stop
         self._notice: tuple[str, dict[str, str]] = ("", {})
-        self._aimed = False
-        """Whether the boxes of the robots fit to the robots that are online."""
+        self.aimed = False
+        """whether the robot has been online, and the boxes of simulation and hardware fit to it"""
         self._sent: dict[str, bytes] = {}
         self._unread, self._sent_s = 0, 0.0
         self.open(Saved())
@@ -119,8 +113,12 @@ class Face:
 
     def open(self, saved: Saved) -> None:
         """Begin with the choices that the browser has kept."""
-        self.state, self._aimed = State(saved), False
+        self.state, self.aimed = State(saved), False
         self.state.handle(intents.Choose("tab", Tab.EYES), self._world)
+
+    def show_class(self, *, on: bool) -> None:
+        """Show or hide the table of all robots."""
+        self.shows_class = on
 
     def notify(self, key: str, **slots: str) -> None:
         """Show a sentence beside the button *Drive*; no key: none."""
@@ -150,8 +148,8 @@ class Face:
         """Compare leases; ask for each robot that comes online, and check the box of the only robot online."""
         self.state.follow(world)
         here = [side for side in SIDES if online(world, side)]
-        if here and not self._aimed:
-            self._aimed = True
+        if here and not self.aimed:
+            self.aimed = True
             self.state.handle(intents.Choose("sim", value="sim" in here), world)
             self.state.handle(intents.Choose("hw", value="sim" not in here), world)
         driver = self.driver
@@ -238,10 +236,6 @@ class Face:
         ):
             self._stop(self, action)
 
-    def stop(self) -> None:
-        """Send STOP to both robots."""
-        self.carry_out(intents.Stop())
-
     def report(self, outcome: Outcome) -> None:
         """Show the outcome of a request."""
         self.state.report(outcome)
@@ -252,32 +246,27 @@ class Face:
         if driver is None:
             self.notify("page.watching")
             return
-        if hold.press > max(driver.press, driver.over):
+        if hold.press > driver.press:
             self.notify("")
             self.carry_out(ReleaseArm())
             driver.press, driver.row = hold.press, 0
-        if hold.press > driver.over:
-            for action in self.state.handle(HoldArm(hold.part, hold.sign), self._world):
-                driver.row = action.row if isinstance(action, Hold) else 0
-                self._do(action)
+        elif hold.press <= driver.over:
+            return
+        for action in self.state.handle(HoldArm(hold.part, hold.sign), self._world):
+            driver.row = action.row if isinstance(action, Hold) else 0
+            self._do(action)
 
     def release(self, number: int) -> None:
         """End the motion of a held button."""
-        if self.driver is not None:
-            self.driver.released = max(number, self.driver.released)
-            if number == self.driver.press:
-                self.carry_out(ReleaseArm())
+        if self.driver is not None and self.driver.press == number:
+            self.driver.row = 0
+            self.carry_out(ReleaseArm())
 
     def stop_moving(self) -> None:
         """Stop the robots if they move for this page, because the page is silent or hidden."""
-        if self.driver is not None and self.driver.link.busy:
+        if self.driver is not None and self.driver.link.moving.busy:
             self.driver.stopped = True
-            self.stop()
-
-    def drop(self) -> None:
-        """Drop what waits to be sent, because another page has sent STOP."""
-        if self.driver is not None:
-            self.driver.link.drop()
+            self.carry_out(intents.Stop())
 
 
 @cache

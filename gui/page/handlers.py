@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import itertools
 import time
-from typing import Final
+from collections.abc import Callable, Mapping
+from typing import Final, Never
 
 import msgspec
 from tornado import web, websocket
 
-from gui.console.state import actions, intents
+from beatrix_zenoh.client import CameraImage
+from gui.console.state import actions
+from gui.console.state.intents import Intent
 from gui.console.texts import DEFAULT_LANGUAGE, LANGUAGES, Texts
 from gui.page import messages, protection
+from gui.page.face import Face
 from gui.page.hub import Camera, Hub
 from gui.page.protection import Login
 
@@ -33,9 +37,11 @@ class Context:
 class Guarded(web.RequestHandler):
     """A handler that refuses requests with a foreign Host or Origin header."""
 
-    def initialize(self, context: Context) -> None:
-        """Set the shared data."""
-        self.context = context
+    @property
+    def context(self) -> Context:
+        """The shared data."""
+        context: Context = self.settings["context"]
+        return context
 
     @property
     def host(self) -> str:
@@ -90,11 +96,6 @@ class Nothing(Guarded):
 
 class StaticFiles(Guarded, web.StaticFileHandler):
     """The files of the folder `static`: style sheet, scripts, icon."""
-
-    def initialize(self, context: Context, path: str) -> None:  # type: ignore[override]
-        """Set the shared data and the folder."""
-        Guarded.initialize(self, context)
-        web.StaticFileHandler.initialize(self, path)
 
 
 class Front(Guarded):
@@ -201,40 +202,34 @@ class Live(Socket):
         except msgspec.DecodeError:
             self.close(MALFORMED, "A message of this page cannot be read: load the page again.")
             return
-        if isinstance(request, messages.StopRobot):
-            own = self.face if request.robot == self.face.robot else None
-            self.hub.stop(self.face.visitor, request.robot, request.stop, own)
+        if self._count <= MESSAGES_MAX or isinstance(request, messages.StopRobot):
+            self.carry_out(request)
         if self._count > MESSAGES_MAX:
             self.close(TOO_FAST, "This page sends too many messages: load the page again.")
-        elif not isinstance(request, messages.StopRobot):
-            self.carry_out(request)
 
     def carry_out(self, request: messages.Request) -> None:
-        """Carry out a request that is not STOP."""
-        face = self.face
-        if face.driver is not None and not isinstance(request, messages.ViewReceived):
-            face.driver.beat()
-        match request:
-            case messages.ViewReceived():
-                face.seen()
-            case messages.Open(saved=saved):
-                face.open(saved)
-            case messages.Drive(name=name):
-                self.hub.drive(face, name)
-            case messages.Leave():
-                self.hub.end_driver(face)
-            case messages.Hidden():
-                face.stop_moving()
-            case messages.ButtonHeld():
-                face.hold(request)
-            case messages.ButtonReleased(press=press):
-                face.release(press)
-            case messages.ShowClass(on=on):
-                face.shows_class = on
-            case actions.ChooseRobot(name=name):
-                self.hub.watch(face, name)
-            case intents.Intent():
-                face.carry_out(request)
+        """Carry out a request."""
+        if self.face.driver is not None and not isinstance(request, messages.ViewReceived):
+            self.face.driver.beat()
+        if type(request) in HANDLES:
+            HANDLES[type(request)](self.hub, self.face, request)  # type: ignore[arg-type]  # it is of this class
+        elif isinstance(request, Intent):
+            self.face.carry_out(request)
+
+
+HANDLES: Mapping[type, Callable[[Hub, Face, Never], None]] = {
+    messages.StopRobot: lambda hub, face, request: hub.stop(face.visitor, request.robot, request.stop, face),
+    messages.ViewReceived: lambda _, face, __: face.seen(),
+    messages.Open: lambda _, face, request: face.open(request.saved),
+    messages.Drive: lambda hub, face, request: hub.drive(face, request.name),
+    messages.Leave: lambda hub, face, _: hub.end_driver(face),
+    messages.Hidden: lambda _, face, __: face.stop_moving(),
+    messages.ButtonHeld: lambda _, face, request: face.hold(request),
+    messages.ButtonReleased: lambda _, face, request: face.release(request.press),
+    messages.ShowClass: lambda _, face, request: face.show_class(on=request.on),
+    actions.ChooseRobot: lambda hub, face, request: hub.watch(face, request.name),
+}
+"""What carries out the messages of a page; the others are heartbeats, or intents of the console."""
 
 
 class Pictures(Socket):
@@ -243,27 +238,32 @@ class Pictures(Socket):
     def open(self, *_: str, **__: str) -> None:
         """Begin to send pictures of the robot and side in the URL; close the web socket if that is not online."""
         place = self.get_query_argument("robot", ""), self.get_query_argument("side", "")
-        self._sent: dict[Camera, int] = {}
         self._ready = [True, True]
+        self._newest: list[CameraImage | None] = [None, None]
+        """the picture of each eye that was not sent yet"""
         self._cameras = self.context.hub.start_pictures(self, place, self.changed)
         if self._cameras:
             self.set_nodelay(True)
         else:
             self.close()
 
-    def changed(self, camera: Camera) -> None:
-        """Send the newest picture, if the browser has drawn the last one of this eye."""
-        index = self._cameras.index(camera)
-        newest = self.context.hub.newest(camera)
-        if self._ready[index] and newest is not None and newest.seq != self._sent.get(camera):
-            self._ready[index], self._sent[camera] = False, newest.seq
-            self.send(bytes([index]) + newest.jpeg, binary=True)
+    def changed(self, camera: Camera, image: CameraImage) -> None:
+        """Take a new picture."""
+        eye = self._cameras.index(camera)
+        self._newest[eye] = image
+        self._send_newest(eye)
 
     def on_message(self, message: str | bytes) -> None:
         """Send the next picture of eye `0` or `1`, because the browser has drawn the last one."""
-        if message in ("0", "1") and self._cameras:
+        if message in ("0", "1"):
             self._ready[int(message)] = True
-            self.changed(self._cameras[int(message)])
+            self._send_newest(int(message))
+
+    def _send_newest(self, eye: int) -> None:
+        image = self._newest[eye]
+        if self._ready[eye] and image is not None:
+            self._ready[eye], self._newest[eye] = False, None
+            self.send(bytes([eye]) + image.jpeg, binary=True)
 
     def on_close(self) -> None:
         """Send no more pictures."""

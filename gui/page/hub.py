@@ -27,6 +27,7 @@ from gui.console.link.jobs import Jobs
 from gui.console.link.pictures import CameraStream, Watcher
 from gui.console.link.stopping import send_stop
 from gui.console.state.actions import SendStop
+from gui.console.state.intents import Stop
 from gui.page.face import Driver, Face
 
 DEAD_MAN_S: Final = 0.4
@@ -39,8 +40,7 @@ CLOSE_S: Final = 3.5
 
 Camera = tuple[str, str, str]
 """Robot, side and eye."""
-OnPicture = Callable[[Camera], None]
-"""Called when there is a new picture of a camera."""
+OnPicture = Callable[[Camera, CameraImage], None]
 
 
 class Hub:
@@ -60,7 +60,6 @@ class Hub:
         Client(settings, announce=False).close()  # to find out whether a router answers
         self.settings, self._only, self._call = settings, only, call
         self._link = Link(settings, lambda _: None, lambda _, __: None, source=Source.PAGE)
-        self._link.start()
         self.pages: set[Face] = set()
         self._stop_sender = StopSender("web")
         self._stops: deque[tuple[str, str]] = deque(maxlen=STOPS_KEPT)
@@ -68,7 +67,6 @@ class Hub:
         self._jobs = Jobs("web")
         self._viewers: dict[Hashable, tuple[list[Camera], OnPicture]] = {}
         """what web sockets for pictures show, and the function that takes their pictures"""
-        self._newest: dict[Camera, CameraImage] = {}
         self._cameras = Watcher[Camera, CameraStream](
             "cameras", self._jobs, lambda: self._link.session, self._begin_camera
         )
@@ -83,20 +81,18 @@ class Hub:
 
     def new_page(self, visitor: str, send: Callable[[bytes], None], close: Callable[[], None]) -> Face:
         """Return the face of a new page, which shows the first robot; `close` closes the page's web socket."""
-        robots = self.robots()
-        robot = next(iter(robots), self._only or self.settings.robot)
+        robot = next(iter(self.robots()), self._only or self.settings.robot)
         face = Face(self._link.world(robot), visitor, send, close, self._stop)
-        face.found = bool(robots)
         self.pages.add(face)
         return face
 
     def show(self) -> None:
         """Send all pages what has changed."""
+        self._link.look()
         robots = self.robots()
         for face in self.pages if robots else ():
-            if not face.found:
-                face.found = True
-                self.watch(face, robots[0])
+            if not face.aimed and face.robot not in robots:
+                self.watch(face, robots[0])  # none was online when the page was opened
         shown = any(face.shows_class for face in self.pages)
         states = robots_online(self._link.session) if shown else ()
         watched = {face.robot for face in self.pages if face.driver is None}
@@ -125,8 +121,8 @@ class Hub:
             return
         given = f"web-{names.tidy(name, face.visitor)}"[:32].strip("-")
         seat = given if account is None else self.settings.who
-        drivers = (page.driver for page in self.pages if page.driver is not None)
-        if any((driver.robot, driver.seat) == (face.robot, seat) for driver in drivers):
+        rivals = (page.driver for page in self.pages if page.robot == face.robot and page.driver is not None)
+        if seat in {rival.seat for rival in rivals}:
             key = "page.name_in_use" if account is None else "page.seat_in_use"
             face.notify(key, robot=face.robot, seat=seat)
             return
@@ -134,9 +130,9 @@ class Hub:
         link = Link(
             settings, partial(self._call, face.report), lambda _, __: None, source=Source.PAGE, shared=session
         )
-        link.start()
+        link.look()
         face.notify("")
-        face.driver = Driver(link, face.robot, seat, time.monotonic())
+        face.driver = Driver(link, seat, time.monotonic())
 
     def end_driver(self, face: Face, key: str = "") -> None:
         """Close the link of a page, so that its robot stops and is free; the page shows the text `key` as the reason."""
@@ -157,7 +153,7 @@ class Hub:
             silent_s = time.monotonic() - driver.beat_s
             if silent_s > GONE_S:
                 self.end_driver(face, "page.gone")
-            elif silent_s > DEAD_MAN_S and driver.link.busy and not driver.stopped:
+            elif silent_s > DEAD_MAN_S and driver.link.moving.busy and not driver.stopped:
                 face.stop_moving()
                 face.notify("page.silent")
 
@@ -168,25 +164,25 @@ class Hub:
         session = self._link.session
         if session is not None:
             session = replace(session, twin=Twin(face.robot, client=session.client))
-            send_stop(self._stop_sender, session, action, partial(self._call, face.report))
+            send_stop(self._stop_sender, action, session, partial(self._call, face.report))
 
     def stop(self, visitor: str, robot: str, stop: str, page: Face | None = None) -> None:
         """Send STOP to simulation and hardware of a name, for any page; ignore it if its number `stop` came before.
 
-        Other pages that drive this robot drop what waits to be sent. Without a page, one of this browser that shows the
-        robot reports the outcome; without such a page, no page does.
+        Other pages that drive this robot drop what waits to be sent. If `page` does not show the robot, one of this
+        browser that does reports the outcome; without such a page, no page does.
         """
         if not names.PATTERN.fullmatch(robot) or (visitor, stop) in self._stops:
             return
         self._stops.append((visitor, stop))
         own = [one for one in self.pages if one.visitor == visitor and one.robot == robot]
-        page = page or next(iter(sorted(own, key=lambda one: one.driver is None)), None)
+        page = page if page in own else next(iter(sorted(own, key=lambda one: one.driver is None)), None)
         for other in self.pages:
-            if other is not page and other.robot == robot:
-                other.drop()
+            if other is not page and other.robot == robot and other.driver is not None:
+                other.driver.link.drop()
         session = self._link.session
         if page is not None:
-            page.stop()
+            page.carry_out(Stop())
         elif session is not None:
             self._stop_sender.send([session.client], [(robot, "*")], lambda _: None)
 
@@ -207,22 +203,15 @@ class Hub:
         self._watch_cameras()
 
     def _watch_cameras(self) -> None:
-        wanted = frozenset(camera for cameras, _ in self._viewers.values() for camera in cameras)
-        self._newest = {camera: image for camera, image in self._newest.items() if camera in wanted}
-        self._cameras.watch(wanted)
+        self._cameras.watch(frozenset(camera for cameras, _ in self._viewers.values() for camera in cameras))
 
     def _begin_camera(self, session: Session, camera: Camera) -> CameraStream:
         return CameraStream(session.client, camera, lambda _, image: self._call(self._picture, camera, image))
 
     def _picture(self, camera: Camera, image: CameraImage) -> None:
-        self._newest[camera] = image
         for cameras, show in list(self._viewers.values()):
             if camera in cameras:
-                show(camera)
-
-    def newest(self, camera: Camera) -> CameraImage | None:
-        """Return the newest picture of a camera; None if none has arrived."""
-        return self._newest.get(camera)
+                show(camera, image)
 
     def close(self) -> None:
         """Stop the robots that pages move, and end all sessions and threads."""

@@ -110,9 +110,9 @@ async def _run(server: Server, hub: Hub, ready: Callable[[], None], shutdown: Sh
     """Send views and check heartbeats until a shutdown is requested, then close all connections."""
     ended = asyncio.Event()
     timers = [
+        ioloop.PeriodicCallback(lambda: ended.set() if shutdown.requested(0.0) else None, SHOW_MS),
         ioloop.PeriodicCallback(hub.show, SHOW_MS),
         ioloop.PeriodicCallback(hub.check_heartbeats, HEARTBEAT_MS),
-        ioloop.PeriodicCallback(lambda: ended.set() if shutdown.requested(0.0) else None, SHOW_MS),
     ]
     for timer in timers:
         timer.start()
@@ -145,18 +145,17 @@ def bind(port: int, address: str) -> socket.socket:
 
 def application(context: Context) -> web.Application:
     """Return the Tornado application with all routes of the server."""
-    shared = {"context": context}
     return web.Application(
         [
-            ("/", Front, shared),
-            ("/class", Projector, shared),
-            ("/stop", Stopper, shared),
-            ("/live", Live, shared),
-            ("/pictures", Pictures, shared),
-            (r"/static/([a-z.]+)", StaticFiles, {**shared, "path": str(STATIC)}),
+            ("/", Front),
+            ("/class", Projector),
+            ("/stop", Stopper),
+            ("/live", Live),
+            ("/pictures", Pictures),
+            (r"/static/([a-z.]+)", StaticFiles, {"path": str(STATIC)}),
         ],
         default_handler_class=Nothing,
-        default_handler_args=shared,
+        context=context,
         template_path=str(STATIC),
         cookie_secret=secrets.token_urlsafe(32),
         xsrf_cookies=True,

@@ -13,6 +13,7 @@ from PyQt5.QtWidgets import (
     QGridLayout,
     QLineEdit,
     QWidget,
+    qApp,
 )
 
 from gui.console.texts import Texts
@@ -31,7 +32,7 @@ class Keys(QObject):
     """
 
     def __init__(self, stop_bar: Callable[[], QWidget], acts: Mapping[str, Callable[[], object]]) -> None:
-        """Create the filter without installing it.
+        """Start filtering.
 
         Args:
             stop_bar: returns the STOP button, which also works while a popup is open.
@@ -39,18 +40,11 @@ class Keys(QObject):
         """
         super().__init__()
         self._stop_bar, self._acts = stop_bar, acts
-
-    def install(self) -> None:
-        """Start filtering."""
-        application = QApplication.instance()
-        if application is not None:
-            application.installEventFilter(self)
+        qApp.installEventFilter(self)
 
     def remove(self) -> None:
         """Stop filtering."""
-        application = QApplication.instance()
-        if application is not None:
-            application.removeEventFilter(self)
+        qApp.removeEventFilter(self)
 
     def eventFilter(self, _watched: QObject | None, event: QEvent | None) -> bool:  # noqa: N802
         if isinstance(event, QKeyEvent):

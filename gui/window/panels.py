@@ -9,11 +9,9 @@ from PyQt5.QtCore import QEvent, QLocale, QObject, QPoint, QRect, Qt, pyqtSignal
 from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QTabWidget, QVBoxLayout, QWidget
 
-from beatrix_zenoh.client import CameraImage
 from beatrix_zenoh.contract.names import ARMS
 from gui.console.state.intents import ALL_ARMS, Choose, Tab, Theme, WindowPage
 from gui.console.state.views import HistoryRowView, RefusalView, View
-from gui.console.state.world import World
 from gui.console.texts import Texts
 from gui.window.keys import KeySheet
 from gui.window.theme import style_of
@@ -220,14 +218,6 @@ class Panels(QWidget):
         """Update only the history and the last line, after an outcome."""
         self.history.show_view(rows)
         self.stop_bar.show_last(last)
-
-    def show_world(self, world: World) -> None:
-        """Append the positions to the plots; views do not contain them."""
-        self.plots.append(world)
-
-    def show_image(self, side: str, image: CameraImage) -> None:
-        """Show a picture of a camera."""
-        self.eyes.show_image(side, image)
 
     def _show_notice(self) -> None:
         shown = None if self.body.isHidden() else self._refusal

@@ -7,7 +7,6 @@ import logging
 import sys
 import threading
 from collections.abc import Callable, Hashable, Iterator
-from types import TracebackType
 
 import msgspec
 from PyQt5.QtCore import QObject, QSize, Qt, QTimer, pyqtSignal
@@ -125,7 +124,7 @@ def run(settings: Settings, theme: Theme | None, language: str | None, *, name_g
 def linked_window(settings: Settings, state: State, *, name_given: bool) -> Iterator[Window]:
     """Yield a hidden window with a link that looks for the router; close the link at the end of the block."""
     bridge = Bridge()
-    link = Link(  # reports nothing before `start`, and by then the window exists
+    link = Link(  # reports nothing before the first action, and by then the window exists
         settings,
         lambda outcome: bridge.post(lambda: window.report(outcome)),
         lambda side, image: bridge.post_latest((side, image.eye), lambda: window.show_image(side, image)),
@@ -134,7 +133,6 @@ def linked_window(settings: Settings, state: State, *, name_given: bool) -> Iter
     try:
         window = Window(link, state)
         with errors_shown(lambda text: bridge.post(lambda: window.show_error(text))):
-            link.start()
             yield window
     finally:
         bridge.close()
@@ -165,12 +163,8 @@ def qt_application() -> QApplication:
 
 def chosen_state(theme: Theme | None, language: str | None) -> State:
     """Return a state with the saved choices; options of the command line take precedence."""
-    choices = saved.load(saved.path())
-    if theme is not None:
-        choices = msgspec.structs.replace(choices, theme=theme)
-    if language is not None:
-        choices = msgspec.structs.replace(choices, language=language)
-    return State(choices)
+    kept = saved.load(saved.path())
+    return State(msgspec.structs.replace(kept, theme=theme or kept.theme, language=language or kept.language))
 
 
 @contextlib.contextmanager
@@ -181,13 +175,8 @@ def errors_shown(show: Callable[[str], None]) -> Iterator[None]:
         logger.error("unhandled error", exc_info=error)
         show(f"{type(error).__name__}: {error}")
 
-    def in_this_thread(
-        _kind: type[BaseException], error: BaseException, _trace: TracebackType | None
-    ) -> None:
-        report(error)
-
     old = sys.excepthook, threading.excepthook
-    sys.excepthook = in_this_thread
+    sys.excepthook = lambda _kind, error, _trace: report(error)
     threading.excepthook = lambda arguments: report(arguments.exc_value)
     try:
         yield

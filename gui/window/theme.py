@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -79,15 +78,10 @@ class Style:
         return colour
 
 
+@cache
 def style_of(theme: Theme) -> Style:
     """Return the colours and sizes of a theme."""
-    return _styles()[theme]
-
-
-@cache
-def _styles() -> Mapping[str, Style]:
-    tables = tomllib.loads(_file("themes.toml"))
-    return {name: Style(**table) for name, table in tables.items()}
+    return Style(**tomllib.loads(_file("themes.toml"))[theme])
 
 
 def _file(name: str) -> str:

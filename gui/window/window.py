@@ -5,13 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from PyQt5.QtCore import Qt, QTimer, pyqtSignal
+from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtGui import QCloseEvent
 from PyQt5.QtWidgets import QApplication, QMainWindow, QWidget
 
 from beatrix_zenoh.client import CameraImage
 from gui.console.link import Link
-from gui.console.state.actions import Action, AskLease, MakeReady, Outcome, Send, SendCommand
+from gui.console.state.actions import AskLease, MakeReady, Outcome, Send, SendCommand
 from gui.console.state.connecting import CloseConnect
 from gui.console.state.intents import (
     EmergencyStop,
@@ -46,8 +46,6 @@ YIELD_S = 0.0003
 class Window(QMainWindow):
     """The main window; used in Qt's thread only."""
 
-    closed = pyqtSignal()
-
     def __init__(self, link: Link, state: State) -> None:
         super().__init__()
         self._link, self._state = link, state
@@ -66,7 +64,6 @@ class Window(QMainWindow):
             "escape": self._close_sheets,
         }
         self.keys = Keys(lambda: self.panels.stop_bar, acts)
-        self.keys.install()
         self._timer = QTimer(self)
         self._timer.timeout.connect(self._refresh_in_turn)
         self._timer.start(PERIOD_MS)
@@ -83,7 +80,10 @@ class Window(QMainWindow):
     def refresh(self) -> None:
         """Show the present world."""
         self._world = self._link.world()
-        self._show_world()
+        self._delayed_refresh.stop()
+        self._state.follow(self._world)
+        self._show(self._state.view(self._world))
+        self.panels.plots.append(self._world)  # views do not contain the positions
 
     def _refresh_in_turn(self) -> None:
         if not self.refresh_pending:  # a robot may be about to answer, and drawing would delay its reply
@@ -93,12 +93,6 @@ class Window(QMainWindow):
         if not self.refresh_pending:  # each of many outcomes must not put the refresh off again
             self._delayed_refresh.start()
 
-    def _show_world(self) -> None:
-        self._delayed_refresh.stop()
-        self._state.follow(self._world)
-        self._show(self._state.view(self._world))
-        self.panels.show_world(self._world)
-
     def handle(self, intent: Intent) -> None:
         """Carry out an intent and show its effect: at once, or after REFRESH_DELAY_MS if a robot answers it."""
         if not isinstance(intent, Stop | EmergencyStop):  # reading the world would delay STOP
@@ -106,7 +100,10 @@ class Window(QMainWindow):
         if isinstance(intent, GrabHead | ReleaseHead):
             self._timer.setInterval(DRAG_PERIOD_MS if isinstance(intent, GrabHead) else PERIOD_MS)
         actions = self._state.handle(intent, self._world)
-        self._do(actions)
+        for action in actions:
+            self._link.do(action)
+        if actions:
+            time.sleep(YIELD_S)
         if any(isinstance(action, ANSWERED) for action in actions):
             self._refresh_soon()
         else:
@@ -120,7 +117,7 @@ class Window(QMainWindow):
 
     def show_image(self, side: str, image: CameraImage) -> None:
         """Show a picture of a camera."""
-        self.panels.show_image(side, image)
+        self.panels.eyes.show_image(side, image)
 
     def show_error(self, text: str) -> None:
         """Show an error of the window itself in a line over the panels."""
@@ -131,7 +128,6 @@ class Window(QMainWindow):
         self._delayed_refresh.stop()
         self.keys.remove()
         super().closeEvent(event)
-        self.closed.emit()
 
     def _close_sheets(self) -> None:
         self.panels.key_sheet.hide()
@@ -148,12 +144,6 @@ class Window(QMainWindow):
         self.setWindowState(Qt.WindowStates(self.windowState() | full if on else self.windowState() & ~full))
         panels.header.setVisible(not on)
         panels.class_page.show_large(on=on)
-
-    def _do(self, actions: list[Action]) -> None:
-        for action in actions:
-            self._link.do(action)
-        if actions:
-            time.sleep(YIELD_S)
 
     def _show(self, view: View) -> None:
         old, self._view = self._view, view

@@ -49,16 +49,6 @@ def test_the_page_takes_the_place_of_the_robot(window: Window, page: ClassPage) 
     assert not page.isVisible()
 
 
-def test_names_of_32_letters_are_shown_whole_in_a_narrow_window(
-    window: Window, page: ClassPage, link: RecordingLink
-) -> None:
-    name = "robot-of-the-third-row-at-window"
-    window.resize(1024, 600)
-    link.known = replace(link.known, robots=tuple(replace(one, robot=name) for one in link.known.robots[:2]))
-    window.refresh()
-    assert page.list.columnWidth(0) > page.list.fontMetrics().horizontalAdvance(name)
-
-
 def shown(page: ClassPage) -> list[str]:
     """Return the texts of the first row in the columns that are shown."""
     item = present(page.list.topLevelItem(0))

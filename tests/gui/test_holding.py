@@ -16,10 +16,12 @@ from recording_link import WatchedState
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import MotionQuery
+from gui.console.link.jogging import BRAKE_S
 from gui.console.state.actions import Hold, Outcome, Release
 from gui.console.state.arms import AHEAD_S, FASTEST_DEG_S, HoldArm, ReleaseArm, jog_query
 from gui.console.state.intents import Choose, Stop
 from gui.console.state.state import State
+from gui.page.hub import DEAD_MAN_S
 from gui.window.widgets.arms import HoldButton
 from gui.window.window import Window
 
@@ -75,6 +77,7 @@ def test_the_panel_says_that_both_move_at_once_while_a_button_is_held(language: 
 
 @pytest.mark.parametrize(("part", "moved"), [("short", 1), ("all", 3)])
 def test_the_goal_of_a_hold_lies_ahead_at_a_limited_speed(part: str, moved: int) -> None:
+    assert BRAKE_S < DEAD_MAN_S < AHEAD_S <= 0.5
     query = jog_query(part, 1, 90.0, AHEAD_S)
     assert isinstance(query, MotionQuery)
     angles = [query.position.x, query.position.y, query.position.z]

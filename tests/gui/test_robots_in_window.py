@@ -13,7 +13,7 @@ from robots import Stage
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import Fault
 from beatrix_zenoh.contract.names import ARMS
-from gui.console.state.intents import AimHead, HeadOrientation
+from gui.console.state.intents import HeadOrientation
 from gui.window.widgets.head3d_drag import SKULL, on_screen
 
 pytestmark = [
@@ -40,28 +40,6 @@ def test_each_column_shows_the_angles_of_its_robot(user: Windowed) -> None:
         user.until(lambda row=rows[arm]: shows(row.hw, 5) and shows(row.sim, 0), f"the angles of {arm}")  # type: ignore[misc]
     user.until(lambda: shows(head.numbers["hw", "yaw"], 5), "the yaw of the hardware")
     assert shows(head.numbers["sim", "yaw"], 0)
-
-
-@pytest.mark.long("motions in real time")
-def test_a_refused_target_offers_one_that_is_reached_and_undo_goes_back(
-    user: Windowed, robots: dict[str, Robot]
-) -> None:
-    panels = user.window.panels
-    user.press(panels.arms.rows["all"].plus)
-    for robot in robots.values():
-        user.until_at(robot, 5, 5, 5)
-    user.until_last("done")
-    user.window.handle(AimHead(0.0, 60.0, 0.0))
-    user.press(panels.sending.send)
-    user.until(panels.refusal.isVisible, "the target is refused")
-    assert "60.0°" in panels.refusal.text.text()
-    user.press(panels.refusal.alternative)
-    for robot in robots.values():
-        user.until(lambda robot=robot: robot.positions().head.pitch > 25, "it looks as far as it can")  # type: ignore[misc]
-    user.until_last("done")
-    user.press(panels.commands.buttons["undo"])
-    for robot in robots.values():
-        user.until_at(robot, 5, 5, 5)
 
 
 # -- commands -------------------------------------------------------------------------------------

@@ -9,7 +9,6 @@ from dataclasses import replace
 
 import pytest
 from gui_views import posed
-from present import present
 from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
@@ -27,7 +26,6 @@ from gui.window.window import Window
 
 Taken = Callable[[], list[Intent]]
 LEFT = Qt.MouseButton.LeftButton
-POPUPS = pytest.mark.qt_log_ignore("This plugin does not support")  # popups without a display
 
 
 def test_the_window_shows_the_world_of_the_link_periodically(
@@ -110,22 +108,3 @@ def test_another_robot_is_chosen_by_keyboard(qtbot: QtBot, window: Window, inten
     qtbot.waitUntil(robots.hasFocus)
     QTest.keyClick(robots, Qt.Key.Key_Down)
     assert intents() == [ChooseRobot("bea2")]
-
-
-@POPUPS
-def test_41_names_of_32_letters_leave_room_for_the_pills_and_scroll(
-    qtbot: QtBot, window: Window, link: RecordingLink
-) -> None:
-    names = tuple(f"robot-of-the-third-row-window-{number:02d}" for number in range(1, 42))
-    robots = window.panels.header.robots
-    link.known = replace(link.known, robot=names[0], names=names)
-    window.refresh()
-    QApplication.processEvents()
-    assert robots.width() <= 160
-    assert names[0] in robots.toolTip()
-    robots.showPopup()
-    popup = present(robots.view())
-    assert popup.minimumWidth() > robots.fontMetrics().horizontalAdvance(names[0])
-    bar = present(popup.verticalScrollBar())
-    qtbot.waitUntil(bar.isVisible)
-    assert bar.maximum() > 0

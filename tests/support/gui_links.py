@@ -45,7 +45,7 @@ class Linked:
             lambda side, image: self.pictures.append((side, image.eye)),
             name_given=name_given,
         )
-        self.link.start()
+        self.link.look()
 
     @property
     def world(self) -> World:

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from PyQt5.QtCore import QEvent, QPoint, QPointF, Qt
 from PyQt5.QtGui import QMouseEvent
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QAbstractButton, QAbstractSpinBox, QApplication, QTabWidget, QWidget
+from PyQt5.QtWidgets import QAbstractButton, QAbstractSpinBox, QApplication, QTabWidget, QWidget, qApp
 from recording_link import RecordingLink, ShownState, WatchedState
 
 from beatrix_zenoh import Robot
@@ -43,7 +43,7 @@ def begin_again(window: Window, link: RecordingLink, state: WatchedState | Shown
     panels.key_sheet.hide()
     panels.head3d.look_from(VIEWS["behind"])
     window.refresh()
-    window.keys.install()
+    qApp.installEventFilter(window.keys)
     window._timer.start(PERIOD_MS)
     window.showNormal()
     window.resize(*SIZE)

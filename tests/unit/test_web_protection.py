@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from typing import get_args
 
@@ -10,14 +9,10 @@ import msgspec
 import pytest
 from contrast import contrast
 
-from beatrix_zenoh.contract._generated.messages import MotionQuery
 from beatrix_zenoh.contract.errors import WrongUsage
-from gui.console.link.jogging import BRAKE_S
 from gui.console.state import actions, intents
-from gui.console.state.arms import AHEAD_S, FASTEST_DEG_S, jog_query
 from gui.page import messages, protection, server
 from gui.page.handlers import MALFORMED
-from gui.page.hub import DEAD_MAN_S
 from gui.page.protection import Login
 from gui.page.server import STATIC
 
@@ -64,14 +59,6 @@ def test_a_chosen_pin_of_another_length_than_6_to_64_is_refused(
     with pytest.raises(WrongUsage, match="choose 6 to 64") as refused:
         protection.chosen_pin()
     assert not pin or pin not in refused.value.message
-
-
-def test_a_jog_is_relative_and_ends_within_half_a_second() -> None:
-    assert BRAKE_S < DEAD_MAN_S < AHEAD_S <= 0.5
-    query = jog_query("long", -1, 90.0, 0.25)
-    assert isinstance(query, MotionQuery)
-    assert query.absolute is False
-    assert math.degrees(query.position.z) == pytest.approx(-FASTEST_DEG_S * 0.25)
 
 
 def test_a_page_cannot_name_files_or_start_programs() -> None:

@@ -40,9 +40,8 @@ class Children:
     def __init__(self, jobs: Jobs, started: Callable[[], None]) -> None:
         """Start no process yet; `started` is called when the router runs."""
         self._jobs, self._started = jobs, started
-        self._serving: Supervisor | None = None
-        """Router, simulation and hardware."""
-        self._viewers: Supervisor | None = None
+        self._serving, self._viewers = Supervisor(), Supervisor()
+        """Router, simulation and hardware; viewers of recordings."""
         self._nodes: dict[str, Child] = {}
         """The newest simulation and hardware, by SIMULATION and HARDWARE."""
         self._starting: set[str] = set()
@@ -61,9 +60,8 @@ class Children:
     def trouble(self) -> Trouble | None:
         """The reason why a child process did not start or has failed; None if there is none."""
         for processes in (self._serving, self._viewers):
-            if self._trouble or self._starting or processes is None:
-                continue
-            if any(child.code not in (None, 0) for child in list(processes.children)):
+            failed = any(child.code not in (None, 0) for child in list(processes.children))
+            if failed and not (self._trouble or self._starting):
                 self._trouble = ended(processes)
                 processes.forget_ended()  # so that each failure is reported once
         return self._trouble
@@ -92,7 +90,7 @@ class Children:
 
     def _serve(self, endpoint: str, title: str, *words: str) -> Child:
         """Start router and node and wait until they serve; raises Refused, NoAnswer or OSError."""
-        serving = self._serving = self._serving or Supervisor()
+        serving = self._serving
         serving.forget_ended()
         if (before := self._nodes.get(title)) in serving.children:
             serving.finish(before)  # two nodes of one name are refused
@@ -114,17 +112,15 @@ class Children:
 
     def _view(self, file: Path) -> None:
         try:
-            viewers = self._viewers = self._viewers or Supervisor()
-            viewers.forget_ended()
-            viewers.start("viewer", "view", str(file))
+            self._viewers.forget_ended()
+            self._viewers.start("viewer", "view", str(file))
         except (BeatrixError, OSError) as error:
             self._trouble = not_started(error)
 
     def end_all(self, deadline_s: float) -> None:
         """End all children by `deadline_s` (monotonic clock, s)."""
         for processes in (self._viewers, self._serving):
-            if processes is not None:
-                processes.end_all(deadline_s)
+            processes.end_all(deadline_s)
 
 
 class Recordings:
@@ -133,7 +129,7 @@ class Recordings:
     def __init__(self, jobs: Jobs) -> None:
         self._jobs = jobs
         self._newest: RecordingProgress | None = None
-        self._processes: Supervisor | None = None
+        self._processes = Supervisor()
         self._began_s = math.inf
         """when the recorder was ready (monotonic clock, s)"""
         self._end = threading.Event()
@@ -169,9 +165,8 @@ class Recordings:
         trouble = None
         try:
             file.parent.mkdir(parents=True, exist_ok=True)
-            processes = self._processes = self._processes or Supervisor()
-            processes.forget_ended()
-            child = processes.start("recorder", *words)
+            self._processes.forget_ended()
+            child = self._processes.start("recorder", *words)
             while child.code is None and not child.ready:
                 time.sleep(POLL_S)  # a recorder that ends while it starts would leave no file
             self._began_s = time.monotonic()
@@ -180,15 +175,14 @@ class Recordings:
             child.end()
             # A recording that the user ends while it is starting is empty, which is not a failure.
             if child.code not in ((0, NO_ROBOT) if self._end.is_set() else (0,)):
-                trouble = ended(processes)
+                trouble = ended(self._processes)
         except (BeatrixError, OSError) as error:
             trouble = not_started(error)
         self._newest = RecordingProgress(file, running=False, seconds=self._seconds(), trouble=trouble)
 
     def end_all(self, deadline_s: float) -> None:
         """End the recording; wait for its end until `deadline_s` (monotonic clock, s) at the latest."""
-        if self._processes is not None:
-            self._processes.end_all(deadline_s)
+        self._processes.end_all(deadline_s)
 
 
 def ended(processes: Supervisor) -> Trouble | None:

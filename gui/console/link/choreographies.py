@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
@@ -64,17 +64,12 @@ class Playing(Program):
         for number, steps in enumerate(itertools.chain(rounds, repeated)):
             told = accepted(self.row, self.side, f"{self.title}: checked.", lasts_s)
             report(replace(told, rounds=number))
-            play(self._robots, steps, self._counting(), lead_s=self._lead_s, check=self.check)
+            self.pose = -1
+            play(self._robots, steps, self._begun, lead_s=self._lead_s, check=self.check)
 
-    def _counting(self) -> Callable[[str, Step], None]:
-        """Return a function that stores which pose of the window has begun."""
-        numbers = itertools.count()
-
-        def begun(_title: str, _pose: Step) -> None:
-            if self._action.poses:
-                self.pose = next(numbers)
-
-        return begun
+    def _begun(self, _title: str, _pose: Step) -> None:
+        """Count the poses of the window that have begun."""
+        self.pose += bool(self._action.poses)
 
     def _follow(self, found: MotionFile, infos: list[RobotInfo], report: Report) -> None:
         """Play a path; raises WindowError for one that is no path or too long, Refused if it is out of reach."""

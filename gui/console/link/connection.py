@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 import math
-import queue
 import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from beatrix_zenoh import threads
 from beatrix_zenoh.client.monitor import Monitor, Presence, RobotState, Seats
 from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Clock, Info, LimitInfo, Reason, Source
-from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer
 from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.settings import Settings
-from gui.console.link.jobs import Jobs
+from gui.console.link.jobs import Job, Jobs
 from gui.console.state.world import LinkPhase
 
 RETRY_S = 1.0
@@ -53,7 +51,7 @@ class Session:
 
 
 class Connection:
-    """Looks for the router in a thread until there is a session, which stays open until `close`.
+    """Looks for the router in a queue of the jobs until there is a session, which stays open until `close`.
 
     A session whose router is lost recovers by itself when the router returns.
     """
@@ -61,16 +59,18 @@ class Connection:
     def __init__(
         self,
         settings: Settings,
+        jobs: Jobs,
         on_session: Callable[[], None],
         *,
         name_given: bool,
         source: Source,
         shared: Session | None,
     ) -> None:
-        """Store the arguments; `start` begins to look for the router.
+        """Store the arguments; `look` begins to look for the router.
 
         Args:
             settings: robot, router and seat.
+            jobs: the executor.
             on_session: called when there is a session, and when another robot is selected; must not wait.
             name_given: whether the user chose the robot, which then stays selected even if only another one is online.
             source: the face, for the events of robots.
@@ -89,8 +89,8 @@ class Connection:
         self._refusals = 0
         self._lock = threading.Lock()
         self._closed = False
-        self._tasks: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
-        self._thread: threading.Thread | None = None
+        self._jobs, self._due_s = jobs, 0.0
+        """when to look again (monotonic clock, s); infinite while it looks"""
 
     @property
     def phase(self) -> LinkPhase:
@@ -111,13 +111,31 @@ class Connection:
             "reconnects when the router returns."
         )
 
-    def start(self) -> None:
-        """Start to look for the router."""
-        self._thread = threads.start(self._run, "window-connection")
+    @property
+    def missing(self) -> NoAnswer:
+        """The error of a request while there is no session."""
+        reason = Reason.ACCOUNT_REFUSED if self._refused else Reason.NO_ROUTER
+        return NoAnswer(
+            reason, self.trouble or f"The window is looking for the router at {self.settings.connect}."
+        )
+
+    @property
+    def where(self) -> tuple[str, str]:
+        """The name of the selected robot, and the address of the router."""
+        return self.robot, self.settings.connect
+
+    def look(self, now_s: float) -> None:
+        """Look for router and robot again if it is time; returns at once. Call it often, in one thread only."""
+        if now_s >= self._due_s:
+            self._due_s = math.inf
+            self._put(self._step)
 
     def try_now(self) -> None:
         """Look now for the router and whether it accepts the account."""
-        self._tasks.put(self._check_account)
+        self._put(self._connect if self.session is None else self._check_account)
+
+    def _put(self, job: Job) -> None:
+        self._jobs.put("connection", job)
 
     def change(self, settings: Settings, *, name_given: bool) -> None:
         """Close the session, and look for the router of these settings from now on; returns at once."""
@@ -126,9 +144,8 @@ class Connection:
             self.settings, self.robot, self._chosen = settings, settings.robot, name_given
             self._router_present, self._trouble, self._refused, self._refusals = True, "", False, 0
         if old is not None:
-            self._tasks.put(old.close)  # on the connection's thread, because closing may wait for a robot
-        else:
-            self.try_now()
+            self._put(old.close)  # it may wait for a robot
+        self.try_now()
 
     def select(self, robot: str) -> None:
         """Watch and drive the robots of another name from now on, through the same session; returns at once."""
@@ -142,7 +159,7 @@ class Connection:
             return
         self.session = replace(old, twin=Twin(robot, client=old.client))
         self._on_session()
-        self._tasks.put(old.twin.close)  # on the connection's thread, because closing may wait for a robot
+        self._put(old.twin.close)  # it may wait for a robot
 
     def states(self, robot: str) -> tuple[RobotState, RobotState]:
         """Return the states of simulation and hardware of a name."""
@@ -156,33 +173,24 @@ class Connection:
         session = self.session
         return () if session is None else tuple(sorted({name for name, _ in session.monitor.present()}))
 
-    # -- the connection's thread --------------------------------------------------------------------
-
-    def _run(self) -> None:
-        while not self._closed:
-            try:
-                self._step()
-            except Exception as error:  # noqa: BLE001  # without this thread there would be no session
-                threads.show_error(error)
-                time.sleep(RETRY_S)
+    # -- one after the other -----------------------------------------------------------------------
 
     def _step(self) -> None:
-        """Look for router or robot once, then run the next task, if one arrives in time."""
-        if self.session is None:
-            self._connect()
-        else:
-            self._choose()
-        doubted = self.session is not None and not (self._router_present or self._refused)
+        """Look for router or robot once."""
         try:
-            task = self._tasks.get(timeout=RETRY_S if self.session is None or doubted else LOOK_S)
-        except queue.Empty:
-            if not doubted:
-                return
-            task = self._check_account
-        task()
+            if self.session is None:
+                self._connect()
+            elif self._router_present or self._refused:
+                self._choose()
+            else:
+                self._check_account()
+        finally:
+            self._due_s = time.monotonic() + (LOOK_S if self.phase is LinkPhase.ONLINE else RETRY_S)
 
     def _connect(self) -> None:
         settings = self.settings
+        if self.session is not None:
+            return
         try:
             client = Client(settings, source=self._source)
         except BeatrixError as error:
@@ -217,7 +225,7 @@ class Connection:
         if client is not self._client:
             return
         if present and not self._router_present:
-            self._tasks.put(self._check_account)
+            self._put(self._check_account)
         self._router_present = present
 
     def _check_account(self) -> None:
@@ -255,14 +263,8 @@ class Connection:
         with self._lock:
             self._closed = True
             session = self.session
-        self.try_now()
         if session is not None:
             session.close()
-
-    def join(self, deadline_s: float) -> None:
-        """Wait for the end of the thread until `deadline_s` (monotonic clock, s)."""
-        if self._thread is not None:
-            self._thread.join(max(0.0, deadline_s - time.monotonic()))
 
 
 def absent(robot: str, side: str) -> RobotState:

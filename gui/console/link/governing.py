@@ -21,7 +21,7 @@ REPORTS_S: Final = 5.0
 
 
 def robots_online(session: Session | None) -> tuple[RobotState, ...]:
-    """Return the states of all robots online, by name, the simulation first; for 60 robots it takes half a millisecond."""
+    """Return the states of all robots online, by name, the simulation first."""
     found = [] if session is None else session.monitor.robots()
     return tuple(robot for robot in found if robot.presence is not Presence.ABSENT)
 
@@ -41,21 +41,16 @@ class LessonReports:
 
     def __init__(self, jobs: Jobs) -> None:
         self._jobs = jobs
-        self._due_s = 0.0
+        self.watch(on=False)
+
+    def watch(self, *, on: bool) -> None:
+        """Begin or end reading."""
+        self.watched, self._due_s = on, 0.0
         """when to read again (monotonic clock, s); infinite while a read is under way"""
-        self._rows: tuple[Row, ...] | None = None
-        self._failed = False
-        self.watched = False
-
-    @property
-    def rows(self) -> tuple[Row, ...] | None:
-        """The newest reports by seat and lesson; None: none were read yet, or nothing is watched."""
-        return self._rows if self.watched else None
-
-    @property
-    def failed(self) -> bool:
-        """Whether the last read failed, so that `rows` may be old."""
-        return self._failed and self.watched
+        self.rows: tuple[Row, ...] | None = None
+        """the newest reports by seat and lesson; None: none were read yet"""
+        self.failed = False
+        """whether the last read failed, so that `rows` may be old"""
 
     def look(self, session: Session | None, now_s: float) -> None:
         """Read the reports again if it is time; returns at once."""
@@ -64,8 +59,11 @@ class LessonReports:
             self._jobs.put("lessons", lambda: self._read(session))
 
     def _read(self, session: Session) -> None:
+        rows, failed = self.rows, False
         try:
-            self._rows, self._failed = tuple(read(session.client)), False
+            rows = tuple(read(session.client))
         except BeatrixError:
-            self._failed = True
+            failed = True
+        if self.watched:
+            self.rows, self.failed = rows, failed
         self._due_s = time.monotonic() + REPORTS_S

@@ -12,7 +12,7 @@ from typing import Final
 from beatrix_zenoh import threads
 
 THREADS: Final = 4
-"""Threads that a link needs without a press: for cameras, levels and the clocks of two robots."""
+"""Threads that a link needs without a press: for the connection, levels and the clocks of two robots."""
 Job = Callable[[], None]
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Never
+from functools import partial
+from typing import Never, TypeVar
 
 from beatrix_zenoh.client.stopping import StopSender
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason, Source
-from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import Settings
 from gui.console.link.children import HARDWARE, SIMULATION, Children, Ports, Recordings
@@ -19,15 +19,16 @@ from gui.console.link.connection import Connection, Probe, Session
 from gui.console.link.governing import LessonReports, robots_online, send_govern
 from gui.console.link.jobs import Jobs
 from gui.console.link.moving import Moving, RobotAction
-from gui.console.link.outcomes import WindowError, failed, stopped, written
+from gui.console.link.outcomes import WindowError, failed, stopped, write
 from gui.console.link.pictures import Camera, CameraStream, LevelStream, OnImage, Watcher, levels
-from gui.console.link.programs import Following
+from gui.console.link.programs import Following, copy
 from gui.console.link.routers import Routers, own_account
 from gui.console.link.stopping import send_stop
 from gui.console.state import actions
-from gui.console.state.actions import Action, Govern, Hold, Outcome, SendStop, WatchClass, WriteFile
-from gui.console.state.world import LinkPhase, World
+from gui.console.state.actions import Action, Outcome, SendStop
+from gui.console.state.world import World
 
+A = TypeVar("A", bound=RobotAction | actions.Govern | actions.Hold | SendStop)
 OnOutcome = Callable[[Outcome], None]
 CLOSE_S = 2.8
 """Time limit for threads and processes to end; slower threads and processes end by themselves afterwards."""
@@ -57,61 +58,45 @@ class Link:
             source: the face, for the events of robots.
             shared: a session whose states of robots and seats this link reads; None: it receives them itself.
         """
-        self._on_outcome = on_outcome
+        self._on_outcome, self._on_image = on_outcome, on_image
         self._default_seat = names.default_seat()
         jobs, report = Jobs("window"), self._report
         self._jobs = jobs
-        self._cameras = Watcher[Camera, CameraStream](
-            "cameras",
-            jobs,
-            lambda: self.session,
-            lambda session, eye: CameraStream(session.client, (session.twin.name, *eye), on_image),
-        )
-        self._levels = Watcher[str, LevelStream](
-            "levels",
-            jobs,
-            lambda: self.session,
-            lambda session, side: LevelStream(session.client, (session.twin.name, side)),
-        )
+        self._cameras = Watcher[Camera, CameraStream]("cameras", jobs, lambda: self.session, self._see)
+        self._levels = Watcher[str, LevelStream]("levels", jobs, lambda: self.session, self._hear)
         self._connection = Connection(
-            settings, self._follow, name_given=name_given, source=source, shared=shared
+            settings, jobs, self._follow, name_given=name_given, source=source, shared=shared
         )
-        self._moving = Moving(jobs, report)
+        self.moving = Moving(jobs, report)
         self._stop_sender = StopSender("window")
         self._lessons = LessonReports(jobs)
         self._probes = {side: Probe(side, jobs) for side in SIDES}
         self._children = Children(jobs, self._connection.try_now)
         self._recordings, self._ports = Recordings(jobs), Ports(jobs)
-        self._routers = Routers(jobs, self._connection, self._leave)
+        self._routers = Routers(jobs, self._connection, self.moving.deselect)
         self._table = self._carrying_out()
 
-    def start(self) -> None:
-        """Start to look for the router."""
-        self._connection.start()
+    def look(self) -> None:
+        """Look for the router, and for a robot, if it is time; `world` does this, too."""
+        self._connection.look(time.monotonic())
 
     @property
     def session(self) -> Session | None:
         """The session with the router; None until a router answers."""
         return self._connection.session
 
-    @property
-    def busy(self) -> bool:
-        """Whether robots move, or are about to move, for this link."""
-        return self._moving.busy
-
     def world(self, robot: str = "") -> World:
         """Return the present world, by default of the selected robot; call it in one thread only, for a window Qt's."""
-        connection, moving, program = self._connection, self._moving, self._moving.program
+        connection, moving, program = self._connection, self.moving, self.moving.program
         play = program if isinstance(program, Playing) else None
         latency_s = {} if robot else {side: probe.round_trip_s for side, probe in self._probes.items()}
         robot = robot or connection.robot
         sim, hw = connection.states(robot)
         session, now_s = connection.session, time.monotonic()
-        for probe in self._probes.values():
-            probe.look(session, now_s)
-        self._lessons.look(session, now_s)
-        settings = connection.settings
-        account = settings.account
+        connection.look(now_s)
+        for look in (self._probes["sim"].look, self._probes["hw"].look, self._lessons.look):
+            look(session, now_s)
+        settings, account = connection.settings, connection.settings.account
         default_seat = self._default_seat if account is None else account.name
         return World(
             now_s=now_s,
@@ -156,43 +141,40 @@ class Link:
 
     def _carrying_out(self) -> Mapping[type[Action], Callable[[Never], None]]:
         """Return what carries out the actions of each class."""
-        moving, connection, children = self._moving, self._connection, self._children
+        moving, connection, children, online = self.moving, self._connection, self._children, self._online
         motions = (actions.Send, actions.Play, actions.FollowFace)
         requests = (*motions, actions.SendCommand, actions.AskLease, actions.MakeReady)
         return {
-            **dict.fromkeys(requests, self._request),
+            **dict.fromkeys(requests, online(self._request)),
             SendStop: self._stop,
             actions.SendNow: lambda _: moving.send_now(),
             actions.Abort: lambda _: moving.abort(),
-            Hold: self._hold,
+            actions.Hold: online(lambda action, session: moving.hold(action, session.twin)),
             actions.Release: lambda action: moving.release(action.row),
             actions.Retry: lambda _: connection.try_now(),
             actions.ChooseRobot: lambda action: self._select(action.name),
             actions.WatchCameras: lambda action: self._cameras.watch(action.wanted),
             actions.WatchMicrophones: lambda action: self._levels.watch(action.sides),
-            WatchClass: self._watch_class,
-            Govern: self._govern,
-            actions.BeginRecording: lambda _: self._recordings.begin(
-                connection.robot, connection.settings.connect
-            ),
+            actions.WatchClass: lambda action: self._lessons.watch(on=action.on),
+            actions.Govern: online(self._govern),
+            actions.BeginRecording: lambda _: self._recordings.begin(*connection.where),
             actions.EndRecording: lambda _: self._recordings.end(),
             actions.ViewRecording: lambda action: children.view(action.file),
-            actions.StartSimulation: lambda _: children.simulate(
-                connection.robot, connection.settings.connect
-            ),
+            actions.StartSimulation: lambda _: children.simulate(*connection.where),
             actions.LookForPorts: lambda _: self._ports.look(),
-            actions.ConnectHardware: lambda action: children.connect(
-                connection.robot, connection.settings.connect, action.port
-            ),
+            actions.ConnectHardware: lambda action: children.connect(*connection.where, action.port),
             actions.UseRouter: self._routers.choose,
             actions.UseAccount: self._routers.choose,
             actions.EndFollowing: lambda _: moving.end_following(),
-            actions.CopyProgram: moving.face.copy,
-            WriteFile: lambda action: self._jobs.put("files", lambda: self._write(action)),
+            actions.CopyProgram: lambda action: self._keep(lambda: copy(action)),
+            actions.WriteFile: lambda action: self._keep(lambda: write(action)),
         }
 
-    def _watch_class(self, action: WatchClass) -> None:
-        self._lessons.watched = action.on
+    def _see(self, session: Session, eye: Camera) -> CameraStream:
+        return CameraStream(session.client, (session.twin.name, *eye), self._on_image)
+
+    def _hear(self, session: Session, side: str) -> LevelStream:
+        return LevelStream(session.client, (session.twin.name, side))
 
     def _follow(self) -> None:
         """Receive pictures and levels of the present session's robots from now on."""
@@ -201,75 +183,52 @@ class Link:
 
     def _select(self, robot: str) -> None:
         if robot != self._connection.robot:
-            self._leave()
+            self.moving.deselect()
         self._connection.select(robot)
 
-    def _leave(self) -> None:
-        """End all motions of this link, because the user has chosen another robot, router or account."""
-        self._moving.deselect()
-
-    def _write(self, action: WriteFile) -> None:
-        content = action.content if isinstance(action.content, bytes) else action.content.encode()
-        self._report(written(action.row, action.file, lambda: action.file.write_bytes(content)))
+    def _keep(self, write: Callable[[], Outcome]) -> None:
+        self._jobs.put("files", lambda: self._report(write()))
 
     def _report(self, outcome: Outcome) -> None:
         """Report an outcome on a thread of the link, in the order of the calls."""
         self._jobs.put("outcomes", lambda: self._on_outcome(outcome))
 
-    def _govern(self, action: Govern) -> None:
-        session = self._online(action.row)
-        if session is not None:
-            self._jobs.put("class", lambda: send_govern(action, session, self._report))
+    def _govern(self, action: actions.Govern, session: Session) -> None:
+        self._jobs.put("class", lambda: send_govern(action, session, self._report))
 
-    def _request(self, action: RobotAction) -> None:
+    def _request(self, action: RobotAction, session: Session) -> None:
         """Carry out an action that robots answer."""
-        session = self._online(action.row)
-        if session is not None:
-            settings = replace(self._connection.settings, robot=session.twin.name)
-            self._moving.request(action, session.twin, settings)
-
-    def _hold(self, action: Hold) -> None:
-        """Begin or continue a hold."""
-        session = self._online(action.row)
-        if session is not None:
-            self._moving.hold(action, session.twin)
-
-    def holds(self, row: int) -> bool:
-        """Return whether the button of a hold is held, and its motion has not ended."""
-        return self._moving.holds(row)
+        settings = replace(self._connection.settings, robot=session.twin.name)
+        self.moving.request(action, session.twin, settings)
 
     # -- STOP ---------------------------------------------------------------------------------------
 
     def _stop(self, action: SendStop) -> None:
-        session = self._online(action.row)
-        if session is not None:
-            send_stop(self._stop_sender, session, action, self._report)
+        self._online(partial(send_stop, self._stop_sender, report=self._report))(action)
         self.drop()  # in this thread, so that requests made after STOP are not dropped
 
-    def _online(self, row: int) -> Session | None:
-        """Return the session; without one report why a request failed."""
-        session = self._connection.session
-        if session is not None:
-            return session
-        trouble = (
-            self._connection.trouble
-            or f"The window is looking for the router at {self._connection.settings.connect}."
-        )
-        refused = self._connection.phase is LinkPhase.REFUSED
-        reason = Reason.ACCOUNT_REFUSED if refused else Reason.NO_ROUTER
-        self._report(failed(row, "", NoAnswer(reason, trouble)))
-        return None
+    def _online(self, carry_out: Callable[[A, Session], None]) -> Callable[[A], None]:
+        """Return a function that carries an action out; without a session it reports why the request failed."""
+
+        def do(action: A) -> None:
+            session = self._connection.session
+            if session is not None:
+                carry_out(action, session)
+            else:
+                self._report(failed(action.row, "", self._connection.missing))
+
+        return do
 
     def drop(self) -> None:
         """Drop waiting requests, and end plans, plays and programs, because STOP was pressed."""
-        self._moving.drop(stopped())
+        self.moving.drop(stopped())
 
     # -- the end ------------------------------------------------------------------------------------
 
     def close(self) -> None:
         """Stop the motions of this window, close the session and end all children; takes at most 3 s."""
         deadline_s = time.monotonic() + CLOSE_S
-        self._moving.drop(WindowError(Reason.SHUTDOWN, "result.closed"))
+        self.moving.drop(WindowError(Reason.SHUTDOWN, "result.closed"))
         for part in (self._stop_sender, self._cameras, self._levels):
             part.close()
         # In parallel, because each may need all of the time, for example while a recorder completes its file.
@@ -277,5 +236,5 @@ class Link:
         self._jobs.put("children-end", lambda: self._children.end_all(deadline_s))
         self._jobs.put("connection-end", self._connection.close)
         self._jobs.close()
-        for threads in (self._stop_sender, self._connection, self._jobs):
+        for threads in (self._stop_sender, self._jobs):
             threads.join(deadline_s)

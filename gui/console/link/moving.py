@@ -15,7 +15,6 @@ from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.client.twin_motion import TwinMotion, TwinReplies
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
-from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import Settings
 from gui.console.link.choreographies import Playing
 from gui.console.link.jobs import Jobs
@@ -46,7 +45,7 @@ class Moving:
     def __init__(self, jobs: Jobs, report: Report) -> None:
         """Store the arguments; `report` is called with the outcomes of requests."""
         self._jobs, self._report = jobs, report
-        self.face = FaceProgram(jobs, report)
+        self.face = FaceProgram()
         self._lock = threading.Lock()
         self._requests: list[Request] = []
         """those that wait or are under way, the oldest first"""
@@ -56,13 +55,16 @@ class Moving:
     @property
     def busy(self) -> bool:
         """Whether robots move, or are about to move, for the link."""
-        return bool(self._requests)
+        return any(request.moves for request in self._requests.copy())
 
     @property
     def plan(self) -> PlanProgress | None:
         """How far the newest motion of both robots is; None: there is none."""
-        plans = [request for request in self._requests.copy() if isinstance(request, PlannedMotion)]
+        plans = self._plans()
         return plans[-1].progress() if plans else None
+
+    def _plans(self) -> list[PlannedMotion]:
+        return [request for request in self._requests.copy() if isinstance(request, PlannedMotion)]
 
     @property
     def program(self) -> Program | None:
@@ -114,24 +116,19 @@ class Moving:
 
     def holds(self, row: int) -> bool:
         """Return whether the press of this row has not ended."""
-        return (
-            self._held is not None
-            and self._held.row == row
-            and not self._held.ends
-            and not self._held.over.is_set()
-        )
+        held = self._held
+        return held is not None and held.row == row and not (held.ends or held.over.is_set())
 
     def send_now(self) -> None:
         """Send the waiting motion of both robots to the hardware now."""
-        for request in self._requests.copy():
-            if isinstance(request, PlannedMotion) and request.motion is not None:
-                request.motion.send_now()
+        for plan in self._plans():
+            if plan.motion is not None:
+                plan.motion.send_now()
 
     def abort(self) -> None:
         """Stop the simulation and keep the hardware unmoved; if the motion was sent to the hardware, stop both."""
-        for request in self._requests.copy():
-            if isinstance(request, PlannedMotion):
-                self._end(request, WindowError(Reason.STOPPED, "result.aborted"))
+        for plan in self._plans():
+            self._end(plan, WindowError(Reason.STOPPED, "result.aborted"))
 
     def end_following(self) -> None:
         """End the program that follows a face, because the user wants it."""
@@ -139,20 +136,6 @@ class Moving:
             program.end(None)
 
     # -- the end of requests ------------------------------------------------------------------------
-
-    def make_way(self, sides: tuple[str, ...] = SIDES, *, leading: bool = True) -> list[Request]:
-        """End what a new motion of these sides replaces, and return the programs that it must wait for.
-
-        A robot replaces the motion that it makes by itself. `leading`: also end a motion whose lead has not passed.
-        """
-        programs: list[Request] = []
-        for request in self._requests.copy():
-            if isinstance(request, Program):
-                programs.append(request)
-            waits = request.moves and not request.running and {*sides} & {*request.sides}
-            if isinstance(request, Program) or waits or (leading and request.leading):
-                self._end(request, replaced())
-        return programs
 
     def drop(self, why: BeatrixError) -> None:
         """End all requests; the caller stops robots that move already."""
@@ -191,14 +174,26 @@ class Moving:
 
     def _put(self, request: Request) -> None:
         """Queue a request, which ends what it replaces."""
-        programs: list[Request] = []
-        if request.moves:
-            programs = self.make_way(request.sides, leading=isinstance(request, Program))
+        programs = self._make_way(request) if request.moves else []
         with self._lock:
             self._requests.append(request)
         self._jobs.put(request.queue, lambda: self._run(request, programs))
 
-    def _run(self, request: Request, programs: list[Request]) -> None:
+    def _make_way(self, new: Request) -> list[Program]:
+        """End what a new motion replaces, and return the programs that it must wait for.
+
+        A robot replaces the motion that it makes by itself.
+        """
+        present = self._requests.copy()
+        programs = [request for request in present if isinstance(request, Program)]
+        for request in present:
+            waits = request.moves and not request.running and {*new.sides} & {*request.sides}
+            leads = request.leading and isinstance(new, Program)
+            if request in programs or waits or leads:
+                self._end(request, replaced())
+        return programs
+
+    def _run(self, request: Request, programs: list[Program]) -> None:
         for program in programs:
             program.over.wait(PROGRAM_S)
         if request.over.is_set():

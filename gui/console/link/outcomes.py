@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from beatrix_zenoh.client import Place
 from beatrix_zenoh.contract._generated.messages import Detail, Reason
-from beatrix_zenoh.contract.errors import BeatrixError, Interrupted
-from gui.console.state.actions import Outcome
+from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer
+from gui.console.state.actions import Outcome, WriteFile
 
 NO_ROBOT = "No robot is online."
 
@@ -47,22 +48,11 @@ def failed(row: int, side: str, error: BeatrixError) -> Outcome:
     )
 
 
-def of_several(row: int, robots: int, failed: Mapping[Place, BeatrixError]) -> Outcome:
-    """Return the outcome of a request to `robots` robots; `failed` contains the errors of those that failed."""
-    if not robots:
-        return Outcome(row, "", accepted=False, done=True, reason=Reason.NO_ANSWER, message=NO_ROBOT)
-    error = next(iter(failed.values()), None)
-    return Outcome(
-        row,
-        "",
-        accepted=error is None,
-        done=True,
-        reason=Reason.OK if error is None else error.reason,
-        message="" if error is None else error.message,
-        detail=None if error is None else error.detail,
-        robots=robots,
-        failed=tuple("{} ({})".format(*place) for place in failed),
-    )
+def of_several(row: int, robots: int, errors: Mapping[Place, BeatrixError]) -> Outcome:
+    """Return the outcome of a request to `robots` robots; `errors` contains those of robots that failed."""
+    error = next(iter(errors.values()), None if robots else NoAnswer(Reason.NO_ANSWER, NO_ROBOT))
+    outcome = done(row, "", "") if error is None else failed(row, "", error)
+    return replace(outcome, robots=robots, failed=tuple("{} ({})".format(*place) for place in errors))
 
 
 def written(row: int, file: Path, write: Callable[[], object]) -> Outcome:
@@ -72,6 +62,12 @@ def written(row: int, file: Path, write: Callable[[], object]) -> Outcome:
     except OSError:
         return failed(row, "", WindowError(Reason.BAD_VALUE, "result.no_write", file=str(file)))
     return done(row, "", f"{file}: written.")
+
+
+def write(action: WriteFile) -> Outcome:
+    """Write the file of an action, and return the outcome."""
+    content = action.content if isinstance(action.content, bytes) else action.content.encode()
+    return written(action.row, action.file, lambda: action.file.write_bytes(content))
 
 
 def replaced() -> WindowError:

@@ -13,7 +13,6 @@ from beatrix_zenoh.client import CameraImage, Client
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.client.sound import Microphones, Sound
 from beatrix_zenoh.client.subscription import Subscription, images
-from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
 from gui.console.link.connection import Session
 from gui.console.link.jobs import Jobs
@@ -26,8 +25,6 @@ Key = TypeVar("Key")
 Media = TypeVar("Media")
 RETRY_S: Final = 1.0
 """Time between attempts to open the session for media while no router answers."""
-CLOSE_S: Final = 1.0
-"""Longest time that `Watcher` waits for the end of its streams."""
 SHOWN: Final = 5
 """Number of blocks (of 20 ms) of which the loudest is shown, so that a clap is seen."""
 STALE_S: Final = 0.5
@@ -54,7 +51,7 @@ class MediaStream(Generic[Media]):
         self._lock = threading.Lock()
         self._ended = threading.Event()
         self._subscription: Subscription[Media] | None = None
-        self._thread = threads.start(self._run, name)
+        threads.start(self._run, name)
 
     def _run(self) -> None:
         """Deliver publications until `end`, or until the client is closed."""
@@ -64,10 +61,8 @@ class MediaStream(Generic[Media]):
             except NoAnswer:
                 self._ended.wait(RETRY_S)
                 continue
-            except WrongUsage as error:
-                if error.reason is Reason.SHUTDOWN:
-                    return
-                raise
+            except WrongUsage:
+                return  # the client was closed
             with self._lock:
                 self._subscription = subscription
                 if self._ended.is_set():  # `end` was called too early to close it
@@ -84,10 +79,6 @@ class MediaStream(Generic[Media]):
             subscription = self._subscription
         if subscription is not None:
             subscription.close()
-
-    def join(self, timeout_s: float) -> None:
-        """Wait for the end of the thread, at most `timeout_s` (s)."""
-        self._thread.join(max(0.0, timeout_s))
 
 
 class CameraStream(MediaStream[CameraImage]):
@@ -167,12 +158,8 @@ class Watcher(Generic[Key, Stream]):
         self.watch(frozenset())
 
     def _apply(self, wanted: frozenset[Key]) -> None:
-        ending = [self.open.pop(key) for key in self.open.keys() - wanted]
-        for stream in ending:
-            stream.end()
-        deadline_s = time.monotonic() + CLOSE_S
-        for stream in ending:
-            stream.join(deadline_s - time.monotonic())
+        for key in self.open.keys() - wanted:
+            self.open.pop(key).end()
         session = self._session()
         if session is not None:
             self.open |= {key: self._begin(session, key) for key in wanted - self.open.keys()}

@@ -17,16 +17,15 @@ from beatrix_zenoh.contract._generated.messages import Detail, Reason, TargetRep
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.processes import POLL_S, Child, Supervisor
 from beatrix_zenoh.settings import Settings
-from gui.console.link.jobs import Jobs
 from gui.console.link.outcomes import WindowError, accepted, written
 from gui.console.link.request import BOTH, Program, Report
-from gui.console.state.actions import CopyProgram, FollowFace
+from gui.console.state.actions import CopyProgram, FollowFace, Outcome
 from gui.console.state.world import FaceProgress
 
 NAME: Final = "follow_the_face.py"
 SHIPPED: Final = Path(str(resources.files("beatrix_zenoh"))) / "examples" / NAME
-END_S = 1.0
-"""Time (s) in which the program ends itself; after it the program is killed."""
+END_S = 1.4
+"""Time (s) in which the program ends; 0.4 s before, it is killed."""
 
 STILL_S = 0.3
 """Time (s) after which a person at the same place stands still."""
@@ -43,32 +42,29 @@ class Failure(msgspec.Struct, frozen=True):
 class FaceProgram:
     """The files of the program, and the last line that it has printed."""
 
-    def __init__(self, jobs: Jobs, report: Report) -> None:
-        self._jobs, self._report = jobs, report
+    def __init__(self) -> None:
         self._own = Path.home() / "beatrix-programs" / NAME
-        self.file = self.chosen()
         self.line = ""
+
+    @property
+    def file(self) -> Path:
+        """The user's copy if there is one, otherwise the shipped program."""
+        return self._own if self._own.is_file() else SHIPPED
 
     def progress(self, *, running: bool) -> FaceProgress:
         """Return whether the program runs, its files, and its last line."""
         return FaceProgress(running, self.file, self._own, self.line)
 
-    def chosen(self) -> Path:
-        """Return the user's copy if there is one, otherwise the shipped program."""
-        return self._own if self._own.is_file() else SHIPPED
 
-    def copy(self, action: CopyProgram) -> None:
-        """Copy the shipped program to the file of the action, unless it exists; returns at once."""
-        self._jobs.put("files", lambda: self._copy(action))
+def copy(action: CopyProgram) -> Outcome:
+    """Copy the shipped program to the file of the action, unless it exists."""
 
-    def _copy(self, action: CopyProgram) -> None:
-        def write() -> None:
-            if not action.file.exists():
-                action.file.parent.mkdir(parents=True, exist_ok=True)
-                shutil.copyfile(SHIPPED, action.file)
-            self.file = action.file
+    def write() -> None:
+        if not action.file.exists():
+            action.file.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(SHIPPED, action.file)
 
-        self._report(written(action.row, action.file, write))
+    return written(action.row, action.file, write)
 
 
 class Following(Program):
@@ -82,7 +78,7 @@ class Following(Program):
     def run(self, report: Report) -> str:
         """Run the program until its end; raises the reason why it must end, or its failure."""
         face, settings = self._face, self._settings
-        face.file, face.line = face.chosen(), ""
+        face.line = ""
         environment = {
             "BEATRIX_ROBOT": settings.robot,
             "BEATRIX_CONNECT": settings.connect,

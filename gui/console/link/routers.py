@@ -36,19 +36,18 @@ class Routers:
     def choose(self, action: UseRouter | UseAccount) -> None:
         """Check the choice, and use it if it is possible; returns at once."""
         self.busy, self.trouble = True, None
-
-        def check() -> None:
-            try:
-                if isinstance(action, UseRouter):
-                    self.trouble = self._use(action.address)
-                else:
-                    self.trouble = self._join(action.file)
-            finally:
-                self.busy = False
-
-        self._jobs.put("routers", check)
+        self._jobs.put("routers", lambda: self._check(action))
 
     # -- one after the other -----------------------------------------------------------------------
+
+    def _check(self, action: UseRouter | UseAccount) -> None:
+        try:
+            if isinstance(action, UseRouter):
+                self.trouble = self._use(action.address)
+            else:
+                self.trouble = self._join(action.file)
+        finally:
+            self.busy = False
 
     def _use(self, endpoint: str) -> Trouble | None:
         """Use the router at an endpoint, with the account of this computer if it is of that router."""

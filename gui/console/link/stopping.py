@@ -16,7 +16,7 @@ YIELD_S = 0.002
 Report = Callable[[Outcome], None]
 
 
-def send_stop(sender: StopSender, session: Session, action: SendStop, report: Report) -> None:
+def send_stop(sender: StopSender, action: SendStop, session: Session, report: Report) -> None:
     """Send STOP or EMERGENCY_STOP; report an outcome for each of both robots, or one for all robots at the router.
 
     A side that was never online is done if the other one is known: STOP was sent to both, and there is nothing to stop.
@@ -31,13 +31,12 @@ def send_stop(sender: StopSender, session: Session, action: SendStop, report: Re
             report(of_several(action.row, len(answers), failures))
             return
         for place, answer in answers.items():
-            side = place[1]
-            if known and place not in known and place in failures:
-                report(done(action.row, side, ""))
-            elif isinstance(answer, BeatrixError):
-                report(failed(action.row, side, answer))
+            if not isinstance(answer, BeatrixError):
+                report(done(action.row, place[1], answer.message, time.monotonic() - began_s))
+            elif known and place not in known:
+                report(done(action.row, place[1], ""))
             else:
-                report(done(action.row, side, answer.message, time.monotonic() - began_s))
+                report(failed(action.row, place[1], answer))
 
     places = [("*", "*")] if action.everywhere else [hw, sim]
     if action.emergency:

@@ -122,9 +122,7 @@ def test_a_recording_can_be_read(linked: Linked, tmp_path: Path) -> None:
 
 def test_the_loss_of_the_recorder_is_reported(linked: Linked) -> None:
     recording(linked)
-    processes = linked.link._recordings._processes
-    assert processes is not None
-    kill(processes.children[-1])
+    kill(linked.link._recordings._processes.children[-1])
     world = linked.until(
         lambda world: world.recording is not None and not world.recording.running, "the loss is reported"
     )

@@ -1,4 +1,4 @@
-"""Pictures and levels of the window: cameras and microphones are on while they are wanted, and again when a robot returns."""
+"""Pictures and levels of the window: cameras and microphones are on while they are wanted."""
 
 from __future__ import annotations
 
