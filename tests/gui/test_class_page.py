@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import pytest
 from gui_views import class_world, full_class, lesson, turns
-from gui_worlds import robot, status, world
 from present import present
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
@@ -14,7 +13,7 @@ from PyQt5.QtWidgets import QApplication
 from recording_link import RecordingLink, WatchedState
 
 from beatrix_zenoh.contract._generated.messages import LeaseAction
-from gui.console.state.actions import AskLease, ChooseRobot, Govern, SendStop, WatchClass
+from gui.console.state.actions import ChooseRobot, Govern, SendStop, WatchClass
 from gui.console.state.intents import LimitClass
 from gui.window.widgets.class_page import ClassPage
 from gui.window.window import Window
@@ -114,15 +113,6 @@ def test_a_limit_is_typed_and_sent_by_enter(
     assert state.intents == [LimitClass("20"), LimitClass("")]
     limits = [action.speed for action in link.done if isinstance(action, Govern)]
     assert limits == [pytest.approx(0.349, abs=0.001), 0.0]
-
-
-def test_the_button_of_a_pill_takes_the_robot(window: Window, link: RecordingLink) -> None:
-    link.known = world(robot("sim", known=status("sim", waiting=("cleo",), limit_deg=20.0)))
-    window.refresh()
-    pill = window.panels.header.pills["sim"]
-    assert pill.notes.text() == "waiting: 1 · limit 20 °/s · 2 ms"
-    QTest.mouseClick(pill.lease, LEFT)
-    assert link.done[-1] == AskLease(LeaseAction.TAKE, "sim", 1)
 
 
 def test_the_lessons_of_a_class_fit_and_follow_the_reports(

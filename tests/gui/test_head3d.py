@@ -21,13 +21,12 @@ from recording_link import RecordingLink
 
 from beatrix_zenoh.body.scene import Screen
 from beatrix_zenoh.client.degrees import HeadAngles
-from gui.console.state.intents import AimHead, Choose, HeadOrientation, Intent, LiveHead, ReleaseHead
+from gui.console.state.intents import Choose, HeadOrientation, Intent, LiveHead, ReleaseHead
 from gui.console.state.state import State
 from gui.window.widgets import head3d
 from gui.window.widgets.head3d import VIEWS, Head3d
 from gui.window.widgets.head3d_drag import (
     EARS,
-    NOSE,
     SKULL,
     Drag,
     Part,
@@ -156,14 +155,6 @@ def test_the_checked_robot_is_solid_and_the_other_one_a_ghost(
         view = present(panel._view)
         assert drawn["robot"].call_args.args[0] == view.side(solid)
         assert drawn["ghost"].call_args.args[0] == view.side("hw" if solid == "sim" else "sim")
-
-
-def test_the_nose_glows_where_the_yaw_ends(window: Window, panel: Head3d) -> None:
-    for yaw, glows in ((120.0, False), (178.0, True)):
-        window.handle(AimHead(yaw, 0.0, 0.0))
-        x, y, _ = on_screen(panel.screen3d, target(panel), NOSE)
-        seen = panel.grab().toImage().pixelColor(round(x) + 12, round(y))
-        assert (seen.red() - seen.blue() > 60) is glows, "yellow"
 
 
 def test_a_gap_in_the_positions_greys_the_head_where_it_was(

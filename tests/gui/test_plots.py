@@ -11,8 +11,8 @@ import msgspec
 import numpy as np
 import pytest
 from present import present
-from PyQt5.QtCore import QPoint, QPointF, Qt
-from PyQt5.QtGui import QImage, QWheelEvent
+from PyQt5.QtCore import Qt
+from PyQt5.QtGui import QImage
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 from pyqtgraph import PlotDataItem
@@ -96,22 +96,12 @@ def shown_s(plots: PlotsPanel) -> tuple[float, float]:
     return shown
 
 
-def turn_wheel(plots: PlotsPanel, notches: int, at_s: float) -> None:
-    """Turn the wheel over a time of the first plot."""
-    area = plots.plots["short"].area
-    scene = plots.plots["short"].plot.getViewBox().mapViewToScene(QPointF(at_s, 0.0))
-    point = QPointF(area.mapFromScene(scene))
-    wheel = QWheelEvent(
-        point,
-        area.viewport().mapToGlobal(point.toPoint()),
-        QPoint(),
-        QPoint(0, 120 * notches),
-        Qt.MouseButton.NoButton,
-        Qt.KeyboardModifier.NoModifier,
-        Qt.ScrollPhase.NoScrollPhase,
-        False,
-    )
-    QApplication.sendEvent(area.viewport(), wheel)
+def move(plots: PlotsPanel, *, by_s: float = 0.0, zoom: float = 1.0, at_s: float = 0.0) -> None:
+    """Drag the first plot by a time, and zoom at another, as pyqtgraph does for the mouse and its wheel."""
+    box = plots.plots["short"].box
+    box.translateBy(x=by_s)
+    box.scaleBy(x=zoom, center=(at_s, 0.0))
+    box.sigRangeChangedManually.emit([True, False])
 
 
 def test_buttons_and_wheel_choose_the_time(filled: PlotsPanel) -> None:
@@ -121,11 +111,11 @@ def test_buttons_and_wheel_choose_the_time(filled: PlotsPanel) -> None:
         assert shown_s(filled) == (-seconds, 0)
         assert [one for one, other in filled.spans.items() if other.isChecked()] == [seconds]
     assert curve(filled.plots["short"].lines[1])[0, 0] < -59, "a whole minute is kept"
-    turn_wheel(filled, 1, -10)
+    move(filled, zoom=0.8, at_s=-10)
     begin_s, end_s = shown_s(filled)
     assert (-60 < begin_s < -30, end_s) == (True, 0), "now stays at the right edge"
-    for notches, span_s in ((-50, 60), (50, 1)):
-        turn_wheel(filled, notches, -0.5)
+    for zoom, span_s in ((100, 60), (0.001, 1)):
+        move(filled, zoom=zoom, at_s=-0.5)
         assert shown_s(filled) == pytest.approx((-span_s, 0), abs=0.01)
 
 
@@ -134,12 +124,10 @@ def test_a_pause_keeps_the_picture_and_time_to_look_around(filled: PlotsPanel) -
     before = curve(filled.plots["short"].lines[1])
     filled.append(world_at(71.0, sim=(50, 0, 0)))
     assert np.array_equal(curve(filled.plots["short"].lines[1]), before, equal_nan=True)
-    turn_wheel(filled, 3, -10)
+    move(filled, zoom=0.6, at_s=-10)
     begin_s, end_s = shown_s(filled)
     assert begin_s < -10 < end_s < 0, "the time at the mouse stays in place"
-    box = filled.plots["short"].box
-    box.translateBy(x=-100.0)
-    box.sigRangeChangedManually.emit([True, False])
+    move(filled, by_s=-100.0)
     assert shown_s(filled)[0] == pytest.approx(-60), "no time before the first is shown"
     QTest.mouseClick(filled.hold, Qt.MouseButton.LeftButton)
     assert shown_s(filled)[1] == 0

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import shutil
 import signal
-import struct
 import subprocess
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pytest
+from PIL import ImageGrab
 from robots import START_S, Process, Stage, ready, until
 
 from beatrix_zenoh import Robot
@@ -31,9 +31,8 @@ BOTH = {("bea", "sim"), ("bea", "hw")}
 class Screen:
     """An X screen in memory, with a window manager, whose frames take room."""
 
-    def __init__(self, folder: Path) -> None:
-        self._file = folder / "Xvfb_screen0"
-        words = ("-displayfd", "1", "-screen", "0", "1366x768x24", "-nolisten", "tcp", "-fbdir", str(folder))
+    def __init__(self) -> None:
+        words = ("-displayfd", "1", "-screen", "0", "1366x768x24", "-nolisten", "tcp")
         self._server = subprocess.Popen(
             ["Xvfb", *words], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
         )
@@ -58,12 +57,8 @@ class Screen:
         return done.stdout.strip() if done.returncode == 0 else ""
 
     def pixels(self) -> npt.NDArray[np.uint8]:
-        """Return the screen as red, green and blue, shape (height, width, 3); the file has the format of xwd."""
-        data = self._file.read_bytes()
-        header = struct.unpack(">25I", data[:100])
-        width, height, line, colours = header[4], header[5], header[12], header[19]
-        rows = np.frombuffer(data, np.uint8, line * height, header[0] + 12 * colours).reshape(height, line)
-        return rows[:, : 4 * width].reshape(height, width, 4)[:, :, 2::-1]
+        """Return the screen as red, green and blue, shape (height, width, 3)."""
+        return np.asarray(ImageGrab.grab(xdisplay=self.display))
 
     def close(self) -> None:
         self._manager.terminate()
@@ -75,8 +70,8 @@ class Screen:
 
 
 @pytest.fixture(scope="module")
-def screen(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Screen]:
-    made = Screen(tmp_path_factory.mktemp("screen"))
+def screen() -> Iterator[Screen]:
+    made = Screen()
     yield made
     made.close()
 

@@ -7,8 +7,7 @@ from gui_windows import HOME, Windowed, menu_button, near
 from present import present
 from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QApplication, QLabel
-from robots import Stage
+from PyQt5.QtWidgets import QLabel
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import Fault
@@ -58,62 +57,44 @@ def test_commands_are_sent_to_both_robots(user: Windowed, robots: dict[str, Robo
 # -- STOP -----------------------------------------------------------------------------------------
 
 
-def stop_by_mouse(user: Windowed) -> None:
-    QTest.mousePress(user.window.panels.stop_bar, Qt.MouseButton.LeftButton)  # the button is not released yet
-
-
-def stop_in_a_box(user: Windowed) -> None:
-    box = user.window.panels.sending.lead
-    box.setFocus()
-    user.until(box.hasFocus, "the box has the focus")
-    user.key(Qt.Key.Key_Space)
-
-
-def stop_in_a_popup(user: Windowed) -> None:
-    user.window.panels.header.robots.showPopup()
-    user.until(lambda: QApplication.activePopupWidget() is not None, "the list is open")
-    user.key(Qt.Key.Key_Space)
+def move_far(user: Windowed, *robots: Robot) -> None:
+    """Turn all arms to 60 deg from home, slowly, and wait until the robots move."""
+    arms = user.window.panels.arms
+    user.type_number(arms.speed.box, 30)
+    user.type_number(arms.increment.box, 60)
+    user.check(arms.absolute)
+    user.press(arms.rows["all"].plus)
+    user.until(lambda: all(robot.status().moving for robot in robots), "both move")
 
 
 def test_stop_stops_both_moving_robots(user: Windowed, sim: Robot, hw: Robot) -> None:
-    panels, way = user.window.panels, 1
-    user.type_number(panels.arms.speed.box, 30)
-    user.type_number(panels.arms.increment.box, 60)
-    user.check(panels.arms.absolute)
-    for stop in (stop_by_mouse, stop_in_a_box, stop_in_a_popup):
-        rows = panels.arms.rows["all"]
-        user.press(rows.plus if way > 0 else rows.minus)
-        user.until(lambda: sim.status().moving and hw.status().moving, "both move")
-        stop(user)
-        user.until(lambda: not (sim.status().moving or hw.status().moving), "both rest")
-        user.until_last("stop done", "both")
-        assert all(abs(robot.positions().arms.long - way * 60) > 5 for robot in (sim, hw)), (
-            "the arms moved on after STOP"
-        )
-        QTest.mouseRelease(panels.stop_bar, Qt.MouseButton.LeftButton)
-        way = -way
+    bar = user.window.panels.stop_bar
+    move_far(user, sim, hw)
+    QTest.mousePress(bar, Qt.MouseButton.LeftButton)  # the button is not released yet
+    user.until(lambda: not (sim.status().moving or hw.status().moving), "both rest")
+    user.until_last("stop done", "both")
+    assert all(robot.positions().arms.long < 55 for robot in (sim, hw)), "the arms moved on after STOP"
+    QTest.mouseRelease(bar, Qt.MouseButton.LeftButton)
 
 
-def test_an_emergency_stop_switches_off_both_moving_robots_and_offers_reset(
-    user: Windowed, robots: dict[str, Robot]
+def test_after_an_emergency_stop_the_next_steps_make_both_robots_ready(
+    user: Windowed, sim: Robot, hw: Robot
 ) -> None:
-    panels = user.window.panels
-    user.type_number(panels.arms.speed.box, 30)
-    user.type_number(panels.arms.increment.box, 60)
-    user.press(panels.arms.rows["all"].plus)
-    user.until(lambda: all(robot.status().moving for robot in robots.values()), "both move")
-    user.press(menu_button(user.window, "sim", "EMERGENCY STOP"))
-    assert all(robot.status().fault is Fault.NONE for robot in robots.values()), "the button asks first"
-    user.press(menu_button(user.window, "sim", "EMERGENCY STOP"))
-    user.until(
-        lambda: all(robot.status().fault is Fault.EMERGENCY for robot in robots.values()), "both are latched"
-    )
+    pills = user.window.panels.header.pills
+    move_far(user, sim, hw)
+    for _ in range(2):
+        assert sim.status().fault is hw.status().fault is Fault.NONE, "the button asks first"
+        user.press(menu_button(user.window, "sim", "EMERGENCY STOP"))
     user.until_last("emergency stop done", "both")
-    assert all(robot.positions().arms.long < 55 for robot in robots.values())
-    for pill in panels.header.pills.values():
-        user.until(lambda pill=pill: pill.next_step.text() == "Clear the stop", "it offers RESET")  # type: ignore[misc]
-        user.press(pill.next_step)
-    user.until(lambda: all(robot.status().fault is Fault.NONE for robot in robots.values()), "both are reset")
+    assert sim.status().fault is hw.status().fault is Fault.EMERGENCY
+    assert all(robot.positions().arms.long < 55 for robot in (sim, hw))
+    user.press(menu_button(user.window, "sim", "Clear emergency stop"))
+    steps = [("sim", "Make ready"), ("hw", "Clear the stop"), ("hw", "Enable"), ("hw", "Calibrate")]
+    for side, text in steps:
+        user.until(lambda side=side, text=text: pills[side].next_step.text() == text, text)  # type: ignore[misc]
+        user.press(pills[side].next_step)
+    user.until_ready("sim", "hw")
+    assert all(robot.status().calibrated for robot in (sim, hw))
 
 
 # -- head -----------------------------------------------------------------------------------------
@@ -130,57 +111,6 @@ def test_the_user_drags_a_target_on_the_pad_and_sends_it(user: Windowed, sim: Ro
     user.until_last("look", "done")
     for robot in (sim, hw):
         assert robot.positions().head == pytest.approx((0, target.pitch, target.roll), abs=0.25)
-
-
-# -- lead -----------------------------------------------------------------------------------------
-
-
-def leading(user: Windowed, sim: Robot) -> None:
-    """Send a motion whose lead is a minute, and wait until the simulation is at its goal."""
-    panels = user.window.panels
-    user.type_number(panels.sending.lead, 60)
-    user.press(panels.arms.rows["all"].plus)
-    user.until_at(sim, 5, 5, 5)
-    user.until(lambda: "follows in 5" in panels.sending.title.text(), "the countdown")
-
-
-@pytest.mark.parametrize("name", ["change", "abort"])
-def test_during_the_lead_the_hardware_can_be_kept_unmoved(
-    user: Windowed, sim: Robot, hw: Robot, name: str
-) -> None:
-    leading(user, sim)
-    before = hw.positions().commanded
-    user.press(getattr(user.window.panels.sending, name))
-    user.until(lambda: not user.window.panels.sending.plan.isVisible(), "nothing waits")
-    user.until_ready("sim", "hw")
-    assert hw.positions().commanded == before == HOME
-    shown = user.window.panels.head.pad._view
-    assert shown is not None
-    assert shown.sim is not None
-    expected_yaw = 5 if name == "change" else shown.sim.yaw
-    assert shown.target.yaw == pytest.approx(expected_yaw, abs=0.2)
-
-
-def test_the_next_steps_of_a_pill_make_the_robot_ready(
-    user: Windowed, stage: Stage, sim: Robot, hw: Robot
-) -> None:
-    pills = user.window.panels.header.pills
-    stage.robot("bea", "sim", "eve").emergency_stop()
-    for _ in range(2):
-        assert hw.status().enabled
-        user.press(menu_button(user.window, "hw", "Disable"))  # it asks first, because the head sinks
-    user.until(lambda: not hw.status().enabled, "the second press disables it")
-    user.until(lambda: "emergency" in pills["sim"].state.text(), "the window shows the emergency stop")
-    assert sim.status().fault is Fault.EMERGENCY
-    user.press(menu_button(user.window, "sim", "Clear emergency stop"))
-    user.until(lambda: pills["sim"].next_step.text() == "Make ready", "the next step")
-    assert not sim.status().enabled
-    user.press(pills["sim"].next_step)
-    for text in ("Enable", "Calibrate"):
-        user.until(lambda text=text: pills["hw"].next_step.text() == text, text)  # type: ignore[misc]
-        user.press(pills["hw"].next_step)
-    user.until_ready("sim", "hw")
-    assert all(robot.status().calibrated for robot in (sim, hw))
 
 
 @pytest.mark.long("test_head3d.py and test_link_plans.py have its parts")

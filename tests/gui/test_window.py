@@ -5,17 +5,13 @@ from __future__ import annotations
 import sys
 import threading
 from collections.abc import Callable
-from dataclasses import replace
 
 import pytest
-from gui_views import posed
 from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
-from recording_link import RecordingLink
 
-from beatrix_zenoh.client.degrees import HeadAngles
 from gui.console.state.actions import ChooseRobot
 from gui.console.state.intents import Choose, Intent, Jog, Stop, Theme
 from gui.window.run import Bridge, errors_shown
@@ -26,15 +22,6 @@ from gui.window.window import Window
 
 Taken = Callable[[], list[Intent]]
 LEFT = Qt.MouseButton.LeftButton
-
-
-def test_the_window_shows_the_world_of_the_link_periodically(
-    qtbot: QtBot, window: Window, link: RecordingLink
-) -> None:
-    link.known = replace(link.known, sim=posed("sim", (33.3, 0.0, 0.0), HeadAngles(44.0, 0.0, 0.0)))
-    row = window.panels.arms.rows["short"]
-    qtbot.waitUntil(lambda: row.sim.text() == "33.3°")
-    assert window.panels.head.numbers["sim", "yaw"].text() == "44.0°"
 
 
 def test_a_theme_applies_to_all_widgets(window: Window) -> None:

@@ -58,6 +58,8 @@ def close_dialogs(window: Window) -> None:
     for panel in window.findChildren(FilePanel):
         if panel.dialog is not None:
             panel.dialog.close()
+            panel.dialog.deleteLater()
+            panel.dialog = None
     while (popup := QApplication.activePopupWidget()) is not None:
         popup.close()
     QApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)

@@ -89,12 +89,16 @@ def ghost(head: HeadOrientation, screen: Screen, ratio: float, tint: str) -> QIm
 
 
 @lru_cache(maxsize=64)
-def portrait(head: HeadOrientation, side: int, ratio: float) -> QImage:
-    """Return the head alone from the front in a square of this side (px), but with the robot's left at the left."""
+def portrait(head: HeadOrientation | None, side: int, ratio: float) -> QImage:
+    """Return the head alone from the front in a square of this side (px), but with the robot's left at the left.
+
+    Without a head the square is empty.
+    """
     screen = Screen(Viewpoint(0.0, zoom=PORTRAIT_ZOOM, height=SKULL[2] - 0.01), side, side)
     with painted(screen.width, screen.height, ratio) as (image, painter):
-        shown = tuple(mesh for mesh in meshes(_figure()) if mesh.body == "head")
-        _paint_faces(painter, head, screen, shown, None)
+        if head is not None:
+            shown = tuple(mesh for mesh in meshes(_figure()) if mesh.body == "head")
+            _paint_faces(painter, head, screen, shown, None)
     return image.mirrored(horizontal=True, vertical=False)
 
 

@@ -98,9 +98,7 @@ class Strip(QListWidget):
             self.setCurrentRow(current)
 
     def _icon(self, card: CardView) -> QIcon:
-        if card.head is None:
-            return QIcon()
-        head = HeadOrientation(*card.head.tenths)
+        head = None if card.head is None else HeadOrientation(*card.head.tenths)
         picture = QPixmap.fromImage(portrait(head, self._style.px(PICTURE_PX), self.devicePixelRatioF()))
         icon = QIcon(picture)
         icon.addPixmap(picture, QIcon.Mode.Selected)  # Qt would tint it
