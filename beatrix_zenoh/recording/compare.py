@@ -253,24 +253,22 @@ class Thresholds:
                 "known: record both robots without gaps, and move both together."
             )
             return
-        checks = (
+        for what, field, allowed in (
             ("rms difference after removal of lead and lag", "rms_after", self.rms_deg),
             ("largest difference after removal of lead and lag", "largest_after", self.largest_deg),
             ("difference at rest", "at_rest", self.rest_deg),
-        )
-        for what, field, allowed in checks:
+        ):
             if allowed is None:
                 continue
             values = {axis.axis: float(getattr(axis, field)) for axis in found.axes}
             worst = max(values, key=lambda axis: (math.isnan(values[axis]), values[axis]))
-            value = values[worst]
-            if math.isnan(value):
+            if math.isnan(values[worst]):
                 yield (
-                    f"At most {allowed:g}° of {what} is allowed, but the robots never rested at the same time: let both rest "
-                    "for a second."
+                    f"At most {allowed:g}° of {what} is allowed, but it is not known: let both robots rest at the same time for "
+                    "a second."
                 )
-            elif value > allowed:
-                shown = distinct(value, allowed)
+            elif values[worst] > allowed:
+                shown = distinct(values[worst], allowed)
                 yield f"The {what} is {shown}° in {worst}; at most {allowed:g}° is allowed."
 
     def _missed(self, slipped: int | None) -> Iterator[str]:

@@ -7,7 +7,6 @@ from pathlib import Path
 import msgspec
 import numpy as np
 import pytest
-import rerun as rr
 from golden import same
 from recorded_values import SCALARS, STATE, TEXT, recorded_values
 from written_recordings import BEGAN_NS, STEP_NS, write_lesson
@@ -31,13 +30,6 @@ from beatrix_zenoh.recording.samples import About
 from beatrix_zenoh.recording.viewer import verify
 
 SIM, HW = ("bea", "sim"), ("bea", "hw")
-
-
-@pytest.fixture(autouse=True)
-def strict(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Make Rerun raise its warnings as errors."""
-    monkeypatch.setenv("RERUN_STRICT", "1")
-    rr.set_strict_mode(True)
 
 
 def sample(place: tuple[str, str], index: int) -> list[RecordingRow]:
