@@ -241,8 +241,7 @@ class Thresholds:
         if math.isnan(found.lag_s) or 2 * unknown >= len(found.moved):
             yield f"At most {self.lag_s:g} s of lag is allowed, but the lag is not known: {why_no_lag(found)}"
         elif abs(found.lag_s) > self.lag_s:
-            lag = distinct(found.lag_s, self.lag_s, "+")
-            yield f"The lag is {lag} s; at most {self.lag_s:g} s in either direction is allowed."
+            yield f"The lag is {found.lag_s:+.5g} s; at most {self.lag_s:g} s in either direction is allowed."
 
     def _axes(self, found: Comparison) -> Iterator[str]:
         limited = any(limit is not None for limit in (self.rms_deg, self.largest_deg, self.rest_deg))
@@ -268,8 +267,7 @@ class Thresholds:
                     "a second."
                 )
             elif values[worst] > allowed:
-                shown = distinct(values[worst], allowed)
-                yield f"The {what} is {shown}° in {worst}; at most {allowed:g}° is allowed."
+                yield f"The {what} is {values[worst]:.5g}° in {worst}; at most {allowed:g}° is allowed."
 
     def _missed(self, slipped: int | None) -> Iterator[str]:
         if self.missed_steps is None:
@@ -281,14 +279,6 @@ class Thresholds:
             )
         elif abs(slipped) > self.missed_steps:
             yield f"The simulation missed {abs(slipped)} full steps; at most {self.missed_steps} are allowed."
-
-
-def distinct(value: float, allowed: float, sign: str = "") -> str:
-    """Format a value that exceeds an allowed one with so many decimals that it does not look equal to it."""
-    digits = 3
-    while digits < 9 and float(f"{abs(value):.{digits}f}") <= allowed:
-        digits += 1
-    return f"{value:{sign}.{digits}f}"
 
 
 def why_no_lag(found: Comparison) -> str:

@@ -209,9 +209,9 @@ class Recorder:
     def _difference(
         self, place: Place, rows: RobotRows, time_ns: int, robot_ns: int
     ) -> Iterator[RecordingRow]:
-        for difference in self._differences[place[0]].add(place[1], time_ns, rows.angles):
-            for what, angles in (("arms", difference.angles[:3]), ("head", difference.angles[3:])):
-                yield Numbers(of_difference(place[0], what), difference.time_ns, robot_ns, angles)
+        for grid_ns, angles in self._differences[place[0]].add(place[1], time_ns, rows.angles):
+            yield Numbers(of_difference(place[0], "arms"), grid_ns, robot_ns, angles[:3])
+            yield Numbers(of_difference(place[0], "head"), grid_ns, robot_ns, angles[3:])
 
     def _picture(self, place: Place, image: CameraImage, time_ns: int) -> Iterator[RecordingRow]:
         """Yield the row of a picture if one is due."""
