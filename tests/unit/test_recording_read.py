@@ -16,7 +16,6 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.recording.rows import (
     Bar,
     BodyTurn,
-    Frame,
     Line,
     Numbers,
     RecordingRow,
@@ -42,7 +41,6 @@ def sample(place: tuple[str, str], index: int) -> list[RecordingRow]:
     return [
         *what,
         BodyTurn(of_model(place, "head"), time_ns, robot_ns, (0.0, 0.0, 0.0, 1.0)),
-        Frame(of_robot(place, "camera", "left"), time_ns, robot_ns, b"\xff\xd8 no picture"),
     ]
 
 

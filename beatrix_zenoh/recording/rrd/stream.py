@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import rerun as rr
@@ -168,16 +169,16 @@ def columns(batch: Batch) -> Iterable[rr.ComponentColumn]:
         case BodyTurn():
             return rr.Transform3D.columns(quaternion=flat.reshape(-1, 4))
         case Line():
-            lines = [row for row in rows if isinstance(row, Line)]
+            lines = cast("list[Line]", rows)
             texts = rr.TextLog.columns(text=[row.text for row in lines], level=[row.level for row in lines])
             return [*texts, *rr.AnyValues.columns(event=[row.json for row in lines])]
         case Bar():
-            return rr.StateChange.columns(state=[row.state for row in rows if isinstance(row, Bar)])
+            return rr.StateChange.columns(state=[row.state for row in cast("list[Bar]", rows)])
         case Frame():
-            pictures = [row.jpeg for row in rows if isinstance(row, Frame)]
+            pictures = [row.jpeg for row in cast("list[Frame]", rows)]
             return rr.EncodedImage.columns(blob=pictures, media_type=["image/jpeg"] * len(pictures))
         case SoundRow():
-            blocks = [row for row in rows if isinstance(row, SoundRow)]
+            blocks = cast("list[SoundRow]", rows)
             return rr.AnyValues.columns(
                 pcm=[block.pcm for block in blocks],
                 rate=np.array([block.rate for block in blocks]),
