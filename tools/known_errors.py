@@ -107,7 +107,7 @@ def sentences(found: Comparison) -> list[str]:
 def fits(finding: Finding, cause: Cause, arm: str, value: float) -> bool:
     """Return whether a finding is the expected one."""
     near = math.isnan(value) or abs(finding.value - value) <= TOLERANCE.get(cause, 0.0)
-    return (finding.cause, finding.arm) == (cause, arm) and near
+    return (finding.cause, "".join(finding.arms)) == (cause, arm) and near
 
 
 def row(case: Case, found: Comparison, faults: Sequence[str]) -> tuple[str, ...]:

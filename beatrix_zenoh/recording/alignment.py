@@ -17,7 +17,6 @@ from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.recording.motion_shifts import (
     AROUND_S,
     FAR_S,
-    Expected,
     MovedPart,
     measured,
 )
@@ -149,9 +148,9 @@ def parted(ways: Sequence[Interval], times: Sequence[float]) -> list[Interval]:
     return [pair for each in edges for pair in itertools.pairwise(each)]
 
 
-def of_requests(ways: Sequence[Interval], matched: Sequence[Shared]) -> list[Expected]:
+def of_requests(ways: Sequence[Interval], matched: Sequence[Shared]) -> list[MovedPart]:
     """Return the motions of the first robot that both were asked for; a movement of many requests is one motion."""
-    found: list[Expected] = []
+    found: list[MovedPart] = []
     for way in ways:
         asked = [motion for motion in matched if contains(way, motion.first.t)]
         begin_s, group = way[0], asked[:1]
@@ -165,13 +164,13 @@ def of_requests(ways: Sequence[Interval], matched: Sequence[Shared]) -> list[Exp
     return found
 
 
-def of_group(begin_s: float, end_s: float, group: Sequence[Shared]) -> Expected:
+def of_group(begin_s: float, end_s: float, group: Sequence[Shared]) -> MovedPart:
     """Return the motion of requests with almost equal shifts."""
     shift_s = float(np.median([shift(motion) for motion in group]))
     without = group[0].sim.unrecorded
     begun = without and begin_s < group[0].sim.t
     unknown = BEGUN if begun else "" if without else separate(group, shift_s)
-    return Expected(begin_s, end_s, shift_s, group[0].lead_s, unknown, single=len(group) == 1)
+    return MovedPart(begin_s, end_s, group[0].lead_s, shift_s, why=unknown, single=len(group) == 1)
 
 
 def separate(group: Sequence[Shared], pause_s: float) -> str:

@@ -44,12 +44,11 @@ class Cause(StrEnum):
 
 @dataclass(frozen=True)
 class Finding:
-    """A cause, the arm that it concerns, its size and a sentence about it."""
+    """A cause, the arms that it concerns, its size and a sentence about it."""
 
     cause: Cause
     sentence: str
-    arm: str = ""
-    """empty: not one arm"""
+    arms: tuple[str, ...] = ()
     value: float = math.nan
     """deg of OFFSET, full steps of MISSED_STEPS at the end, share of LOSS, number of motions of ALONE"""
     t: float = math.nan
@@ -163,7 +162,7 @@ def off_at_rest(found: Comparison, arm: str) -> Iterator[Finding]:
     name = arm.capitalize()
     if abs(first.deg) > APART_DEG:
         sentence = f"{name} is {first.deg:+.2f}° off at rest{' at first' * bool(later)}: calibrate both robots at home."
-        yield Finding(Cause.OFFSET, sentence, arm, first.deg)
+        yield Finding(Cause.OFFSET, sentence, (arm,), first.deg)
     if later:
         off = " and ".join(f"{level.deg:+.2f}° off at rest from {level.t:.1f} s on" for level in later)
         total = int(steps.sum())
@@ -171,7 +170,7 @@ def off_at_rest(found: Comparison, arm: str) -> Iterator[Finding]:
             Cause.MISSED_STEPS,
             f"{name} is {off}, {count(abs(total), 'full step')}{' in all' * (len(later) > 1)}: the simulation's arm missed steps, "
             "or the hardware's count of steps changed (it notices no missed step). Move both home and calibrate.",
-            arm,
+            (arm,),
             float(total),
             later[0].t,
         )

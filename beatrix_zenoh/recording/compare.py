@@ -241,8 +241,7 @@ class Thresholds:
         if math.isnan(found.lag_s) or 2 * unknown >= len(found.moved):
             yield f"At most {self.lag_s:g} s of lag is allowed, but the lag is not known: {why_no_lag(found)}"
         elif abs(found.lag_s) > self.lag_s:
-            lag = distinct(found.lag_s, self.lag_s, "+")
-            yield f"The lag is {lag} s; at most {self.lag_s:g} s in either direction is allowed."
+            yield f"The lag is {found.lag_s:+.5g} s; at most {self.lag_s:g} s in either direction is allowed."
 
     def _axes(self, found: Comparison) -> Iterator[str]:
         limited = any(limit is not None for limit in (self.rms_deg, self.largest_deg, self.rest_deg))
@@ -253,25 +252,22 @@ class Thresholds:
                 "known: record both robots without gaps, and move both together."
             )
             return
-        checks = (
+        for what, field, allowed in (
             ("rms difference after removal of lead and lag", "rms_after", self.rms_deg),
             ("largest difference after removal of lead and lag", "largest_after", self.largest_deg),
             ("difference at rest", "at_rest", self.rest_deg),
-        )
-        for what, field, allowed in checks:
+        ):
             if allowed is None:
                 continue
             values = {axis.axis: float(getattr(axis, field)) for axis in found.axes}
             worst = max(values, key=lambda axis: (math.isnan(values[axis]), values[axis]))
-            value = values[worst]
-            if math.isnan(value):
+            if math.isnan(values[worst]):
                 yield (
-                    f"At most {allowed:g}° of {what} is allowed, but the robots never rested at the same time: let both rest "
-                    "for a second."
+                    f"At most {allowed:g}° of {what} is allowed, but it is not known: let both robots rest at the same time for "
+                    "a second."
                 )
-            elif value > allowed:
-                shown = distinct(value, allowed)
-                yield f"The {what} is {shown}° in {worst}; at most {allowed:g}° is allowed."
+            elif values[worst] > allowed:
+                yield f"The {what} is {values[worst]:.5g}° in {worst}; at most {allowed:g}° is allowed."
 
     def _missed(self, slipped: int | None) -> Iterator[str]:
         if self.missed_steps is None:
@@ -283,14 +279,6 @@ class Thresholds:
             )
         elif abs(slipped) > self.missed_steps:
             yield f"The simulation missed {abs(slipped)} full steps; at most {self.missed_steps} are allowed."
-
-
-def distinct(value: float, allowed: float, sign: str = "") -> str:
-    """Format a value that exceeds an allowed one with so many decimals that it does not look equal to it."""
-    digits = 3
-    while digits < 9 and float(f"{abs(value):.{digits}f}") <= allowed:
-        digits += 1
-    return f"{value:{sign}.{digits}f}"
 
 
 def why_no_lag(found: Comparison) -> str:

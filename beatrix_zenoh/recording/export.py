@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 import pyarrow as pa
 import pyarrow.csv
 import pyarrow.parquet
@@ -151,20 +150,16 @@ def at(samples_ns: Nanoseconds, values: Floats, times_ns: Nanoseconds, *, circle
         times_ns: (m,) times in question.
         circle: whether values are degrees of a circle, which take the short way through ±180.
     """
-    before = np.searchsorted(samples_ns, times_ns, side="right") - 1
-    after = np.minimum(before + 1, len(samples_ns) - 1)
-    inside = before >= 0
-    before = np.maximum(before, 0)
-    whole_ns, past_ns = samples_ns[after] - samples_ns[before], times_ns - samples_ns[before]
-    step = values[after] - values[before]
+    known = ~np.isnan(values)
+    t, values = samples_ns[known], values[known]
+    before = np.searchsorted(t, times_ns, side="right") - 1
+    after = np.searchsorted(t, times_ns)
+    inside = (before >= 0) & (after < len(t))
+    gaps_ns = t[np.minimum(after, len(t) - 1)] - t[np.maximum(before, 0)]
+    found = np.interp(times_ns - t[0], t - t[0], np.unwrap(values, period=360.0) if circle else values)
     if circle:
-        step = (step + 180.0) % 360.0 - 180.0
-    known = inside & (past_ns > 0) & (whole_ns <= GAP_NS) & (whole_ns >= past_ns)
-    found = values[before] + step * (past_ns / np.maximum(whole_ns, 1))
-    if circle:
-        found = np.where(np.abs(found) > 180.0, (found + 180.0) % 360.0 - 180.0, found)
-    exact = inside & (past_ns == 0)
-    result: npt.NDArray[np.float64] = np.where(exact, values[before], np.where(known, found, np.nan))
+        found = (found + 180.0) % 360.0 - 180.0
+    result: Floats = np.where(inside & (gaps_ns <= GAP_NS), found, np.nan)
     return np.round(result, DECIMALS)
 
 

@@ -114,39 +114,25 @@ DIFFER_S = 0.15
 
 @dataclass(frozen=True)
 class MovedPart:
-    """A motion of both robots: times by the clock of the first."""
+    """A motion of both robots: times by the clock of the first. Before it is measured, what the requests say of it."""
 
     begin_s: float
     end_s: float
     lead_s: float | None
     """the lead that was requested; None: no lead was requested, or the requests were not recorded"""
     shift_s: float
-    """start of the second minus start of the first; if `lag_s` is NaN, the best estimate"""
-    lag_s: float
+    """start of the second minus start of the first; if it was not measured, what the requests say"""
+    lag_s: float = math.nan
     """what remains of `shift_s` without the lead; NaN: unknown"""
     why: str = ""
     """why the lag is unknown"""
-    measured: bool = True
+    measured: bool = False
     """whether `shift_s` was measured"""
-
-
-@dataclass(frozen=True)
-class Expected:
-    """A motion of the first robot, and what is known about its shift before it is measured."""
-
-    begin_s: float
-    end_s: float
-    shift_s: float
-    lead_s: float | None = None
-    unknown: str = ""
-    """why the lag is unknown, whatever is measured"""
     single: bool = True
     """whether one request, or an unknown number of requests, caused it"""
 
 
-def window(
-    first: Recording, second: Recording, motion: Expected | MovedPart, limit_s: float = LOCAL_S
-) -> Floats:
+def window(first: Recording, second: Recording, motion: MovedPart, limit_s: float = LOCAL_S) -> Floats:
     """Return the times of the first at which a motion is compared with the second, for shifts up to `limit_s` (s).
 
     Times in a gap of a recording are left out; there are none if less than a quarter of the motion remains.
@@ -163,7 +149,7 @@ def window(
     return seen if 4 * len(seen) >= len(kept) else seen[:0]
 
 
-def measured(first: Recording, second: Recording, motion: Expected) -> MovedPart:
+def measured(first: Recording, second: Recording, motion: MovedPart) -> MovedPart:
     """Measure the shift of a motion; it stays unknown if no shift explains the movement of each arm."""
     one, other = chosen(first, range(len(ARMS))), chosen(second, range(len(ARMS)))
     found, t = Shift(math.nan, math.inf), first.t
@@ -174,13 +160,13 @@ def measured(first: Recording, second: Recording, motion: Expected) -> MovedPart
             break
     known = found.explains and even(one, other, t, motion, found.s)
     lead_s, shift_s = motion.lead_s or 0.0, found.s if known else motion.shift_s
-    why = motion.unknown
+    why = motion.why
     if not why and not known:
         why = unknown(found) if len(t) else "most of it lies in gaps of the recordings"
     elif not why and lead_s and shift_s < lead_s - SOONER_S:
         why = f"the hardware began {lead_s - shift_s:.1f} s before the lead of {lead_s:g} s had ended"
     lag_s = math.nan if why else shift_s - lead_s
-    return MovedPart(motion.begin_s, motion.end_s, motion.lead_s, shift_s, lag_s, why, known)
+    return replace(motion, shift_s=shift_s, lag_s=lag_s, why=why, measured=known)
 
 
 def unknown(found: Shift) -> str:
@@ -194,7 +180,7 @@ def unknown(found: Shift) -> str:
     return "the arms, or begin and end of the movement, have different lags"
 
 
-def even(one: Recording, other: Recording, t: Floats, motion: Expected, shift_s: float) -> bool:
+def even(one: Recording, other: Recording, t: Floats, motion: MovedPart, shift_s: float) -> bool:
     """Return whether a shift is that of the whole motion: of each arm that turns clearly, at its begin and at its end.
 
     The ends of a motion are compared if one request caused it: the hardware may be slower, or accelerate less.

@@ -32,6 +32,7 @@ from beatrix_zenoh.recording.rows import (
 from beatrix_zenoh.recording.samples import About, Note, about
 from beatrix_zenoh.recording.sound import rows_of as rows_of_sound
 from beatrix_zenoh.recording.sources import (
+    AGAIN_S,
     NoteInbox,
     RobotAnswer,
     RobotQueries,
@@ -80,6 +81,7 @@ class Recorder:
         """Newest positions of each robot (ns): arrival by our monotonic clock, and time by our wall clock."""
         self._picture_due_ns: dict[str, int] = {}
         self._shown = RobotSet({})
+        self._measure_s = time.monotonic() + AGAIN_S
         self.samples = 0
         """Number of positions that were converted."""
         self._failure: Exception | None = None
@@ -125,6 +127,10 @@ class Recorder:
 
     def _step(self, *, last: bool = False) -> None:
         rows: list[RecordingRow] = []
+        if time.monotonic() >= self._measure_s:
+            self._measure_s = time.monotonic() + AGAIN_S
+            for place in self._rows:
+                self._queries.request(place)
         for answer in self._queries.answers():
             rows += self._answered(answer)
         for arrival in self._subscriptions.take():
@@ -209,9 +215,9 @@ class Recorder:
     def _difference(
         self, place: Place, rows: RobotRows, time_ns: int, robot_ns: int
     ) -> Iterator[RecordingRow]:
-        for difference in self._differences[place[0]].add(place[1], time_ns, rows.angles):
-            for what, angles in (("arms", difference.angles[:3]), ("head", difference.angles[3:])):
-                yield Numbers(of_difference(place[0], what), difference.time_ns, robot_ns, angles)
+        for grid_ns, angles in self._differences[place[0]].add(place[1], time_ns, rows.angles):
+            yield Numbers(of_difference(place[0], "arms"), grid_ns, robot_ns, angles[:3])
+            yield Numbers(of_difference(place[0], "head"), grid_ns, robot_ns, angles[3:])
 
     def _picture(self, place: Place, image: CameraImage, time_ns: int) -> Iterator[RecordingRow]:
         """Yield the row of a picture if one is due."""

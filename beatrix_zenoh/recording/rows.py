@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Final, NamedTuple
+from typing import Final
 
 from beatrix_zenoh.body.figure import Figure, Quaternion
 from beatrix_zenoh.client.session import Place
@@ -147,15 +147,8 @@ WAITING: Final = 250
 Angles = tuple[float, ...]
 
 
-class AngleDifference(NamedTuple):
-    """Hardware minus simulation at one point of the grid (deg), each within half a turn."""
-
-    time_ns: int
-    angles: Angles
-
-
 class Difference:
-    """Calculates the differences between both sides from their samples, for each grid point that both cover.
+    """Calculates hardware minus simulation (deg) from their samples, for each grid point that both cover.
 
     Between two samples of a side its angles are interpolated linearly.
     """
@@ -164,8 +157,8 @@ class Difference:
         self._samples: dict[str, deque[tuple[int, Angles]]] = {side: deque(maxlen=WAITING) for side in SIDES}
         self._next_ns = 0
 
-    def add(self, side: str, time_ns: int, angles: Angles) -> Iterator[AngleDifference]:
-        """Add a sample (deg), and yield the differences that are known now; samples out of order are ignored."""
+    def add(self, side: str, time_ns: int, angles: Angles) -> Iterator[tuple[int, Angles]]:
+        """Add a sample (deg); yield times and differences that are known now. Samples out of order are ignored."""
         samples = self._samples[side]
         if samples and time_ns <= samples[-1][0]:
             return
@@ -178,10 +171,8 @@ class Difference:
         while self._next_ns <= last_ns:
             first, second = at(sim, self._next_ns), at(hw, self._next_ns)
             if first is not None and second is not None:
-                yield AngleDifference(
-                    self._next_ns,
-                    tuple((b - a + 180.0) % 360.0 - 180.0 for a, b in zip(first, second, strict=True)),
-                )
+                apart = ((b - a + 180.0) % 360.0 - 180.0 for a, b in zip(first, second, strict=True))
+                yield self._next_ns, tuple(apart)
             self._next_ns += GRID_NS
 
 

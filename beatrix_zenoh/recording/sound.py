@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import wave
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -33,20 +32,6 @@ class RecordedBlock(NamedTuple):
     seq: int
 
 
-@dataclass(frozen=True)
-class WrittenSound:
-    """A WAV file that was written."""
-
-    seconds: float
-    """duration"""
-    lost_s: float
-    """how much of it is missing in the recording, and is silence in the file"""
-
-    def __str__(self) -> str:
-        lost = f", of which {self.lost_s:.2f} s are missing and silent" if self.lost_s else ""
-        return f"{self.seconds:.1f} s of sound{lost}"
-
-
 def rows_of(place: Place, block: Sound, time_ns: int) -> Iterator[RecordingRow]:
     """Yield a block as it was published, the level of each ear (dB), and its waveform for plots.
 
@@ -65,8 +50,10 @@ def rows_of(place: Place, block: Sound, time_ns: int) -> Iterator[RecordingRow]:
             begin += len(piece)
 
 
-def write_wav(path: Path, blocks: Iterable[RecordedBlock]) -> WrittenSound:
+def write_wav(path: Path, blocks: Iterable[RecordedBlock]) -> tuple[float, float]:
     """Write blocks, in the order of time, as a WAV file in which each is at its time; what is missing is silence.
+
+    Returns the duration (s), and how much of it is missing (s).
 
     Raises:
         OSError: the file cannot be written.
@@ -93,7 +80,7 @@ def write_wav(path: Path, blocks: Iterable[RecordedBlock]) -> WrittenSound:
             at += frames
         if first_ns is None:
             raise ValueError("no blocks")
-    return WrittenSound(at / rate, lost / rate)
+    return at / rate, lost / rate
 
 
 def silence(out: wave.Wave_write, frames: int) -> None:

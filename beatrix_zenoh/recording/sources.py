@@ -126,7 +126,7 @@ class RobotAnswer:
 
 
 class RobotQueries:
-    """Queries each requested robot at once and then every 30 s, without blocking the recorder."""
+    """Queries robots one after the other, without blocking the recorder."""
 
     def __init__(self, client: Client) -> None:
         self._client = client
@@ -148,30 +148,13 @@ class RobotQueries:
         self._thread.join()
 
     def _run(self) -> None:
-        known: set[Place] = set()
-        due_s = time.monotonic() + AGAIN_S
-        while True:
+        for place in iter(self._requests.get, None):
             try:
-                place = self._requests.get(timeout=max(0.0, due_s - time.monotonic()))
-            except queue.Empty:
-                due_s = time.monotonic() + AGAIN_S
-                for place in known:
-                    self._query(place, again=True)
-                continue
-            if place is None:
-                return
-            known.add(place)
-            self._query(place, again=False)
-
-    def _query(self, place: Place, *, again: bool) -> None:
-        try:
-            offset = clock_offsets(self._client, *place, timeout_s=ANSWER_S).mono
-            info = ask(self._client, place, keys.info(*place), None, Info, ANSWER_S)
-        except BeatrixError:
-            if not again:  # otherwise the robot does not answer now, but its earlier values are still valid
+                offset = clock_offsets(self._client, *place, timeout_s=ANSWER_S).mono
+                info = ask(self._client, place, keys.info(*place), None, Info, ANSWER_S)
+                self._answers.append(RobotAnswer(place, offset, info))
+            except BeatrixError:
                 self._answers.append(RobotAnswer(place))
-            return
-        self._answers.append(RobotAnswer(place, offset, info))
 
 
 LATE_NS: Final = 2_000_000_000

@@ -63,13 +63,15 @@ def test_the_table_names_every_axis_and_the_lag(lesson: Path, capsys: pytest.Cap
 def test_the_error_for_a_missing_robot_lists_the_robots_of_the_recording(
     lesson: Path, tmp_path: Path
 ) -> None:
-    with pytest.raises(Refused, match=r"contains ada \(hw\), ada \(sim\), bob \(sim\)\. A comparison needs"):
+    with pytest.raises(
+        Refused, match=r"simulation and hardware of ada \(hw\), ada \(sim\): choose one robot"
+    ):
         recorded(lesson, "bob")
-    with pytest.raises(Refused, match="contains ada, bob, and not cleo: select one with --name"):
+    with pytest.raises(Refused, match=r"positions of ada \(sim\), bob \(sim\): choose one robot with --name"):
         recorded_path(read_recording(lesson), lesson, "cleo")
     several = tmp_path / "several.rrd"
     write(several, {(name, side): 0.0 for name in ("ada", "bob") for side in ("sim", "hw")}, 0.1)
-    with pytest.raises(Refused, match="Choose a robot with --name"):
+    with pytest.raises(Refused, match="choose one robot with --name"):
         recorded(several, None)
 
 

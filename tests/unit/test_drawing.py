@@ -51,11 +51,3 @@ def test_a_mark_on_the_head_is_where_the_orientation_puts_it(head: tuple[float, 
     place = (0.14, 0.0, 0.1)
     shown = SCREEN.place(np.array(rotation_of(*np.radians(head)))[None] @ place)[0]
     assert where(picture(marked(place), *head), MARK) == pytest.approx(shown[:2] - 0.5, abs=1.0)
-
-
-def test_a_mark_behind_the_head_is_hidden() -> None:
-    x, y, z = -0.13 * VIEW.axes[2]
-    shapes = marked((x, y, z + 0.11))
-    with pytest.raises(AssertionError, match="nothing is"):
-        where(picture(shapes, 0, 0, 0), MARK)
-    where(picture(shapes, 150, 0, 0), MARK)

@@ -27,7 +27,7 @@ from beatrix_zenoh.recording.losses import (
     total,
 )
 from beatrix_zenoh.recording.rows import Line
-from beatrix_zenoh.recording.samples import lost
+from beatrix_zenoh.recording.samples import lost as lost_in_file
 from beatrix_zenoh.recording.verbs.record import missing, outcome
 
 
@@ -75,13 +75,6 @@ def counted(*seqs: int, dropped: int = 0) -> Count:
     return losses.counts({ARMS: dropped})[ARMS]
 
 
-def lost_in_file(*seqs: int, repeats: tuple[int, ...] | None = None) -> int | None:
-    """Return the losses that a reader of a file finds in these numbers."""
-    numbers = np.array(seqs, dtype=np.int64)
-    again = np.zeros(len(seqs), np.int64) if repeats is None else np.array(repeats, dtype=np.int64)
-    return lost(numbers, again)
-
-
 @given(first=st.integers(0, NUMBERS - 1), arrives=st.lists(st.booleans(), max_size=60))
 def test_each_missing_number_is_one_loss(first: int, arrives: list[bool]) -> None:
     """The numbers may pass the largest uint32; those before the first and after the last arrival are unknown."""
@@ -89,7 +82,6 @@ def test_each_missing_number_is_one_loss(first: int, arrives: list[bool]) -> Non
     missing = arrives.count(False)
     assert counted(*seqs).lost == missing
     assert counted(*seqs).published == len(arrives) + 2
-    assert lost_in_file(*seqs) == missing
 
 
 @given(st.lists(st.sampled_from(["arrives", "lost", "dropped here"]), max_size=60))
@@ -119,7 +111,7 @@ def test_what_our_queues_drop_is_not_lost_on_the_way(fates: list[str]) -> None:
 )
 def test_only_gaps_are_losses(seqs: tuple[int, ...], lost: int) -> None:
     assert total({ARMS: counted(*seqs)} if seqs else {}).lost == lost
-    assert lost_in_file(*seqs) == lost
+    assert lost_in_file(np.array(seqs, np.int64), np.zeros(len(seqs), np.int64)) == lost
 
 
 def test_two_programs_under_one_name_are_named_once_and_no_loss_is_counted() -> None:

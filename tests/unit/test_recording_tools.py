@@ -134,16 +134,10 @@ def test_what_rerun_makes_of_a_recording_has_the_rows_of_the_whole(
         assert app.run(["compare", str(file), "--json"]) in (0, 1)
 
 
-def at(count: int) -> rr.TimeColumn:
-    """Return times of the timeline of recordings."""
-    return rr.TimeColumn("time", timestamp=np.array(times(count)).astype("datetime64[ns]"))
-
-
-def numbers(
-    stream: rr.RecordingStream, entity: str, index: rr.TimeColumn, width: int, count: int = 20
-) -> None:
-    """Write rows of zeros."""
-    rows = rr.Scalars.columns(scalars=np.zeros(count * width)).partition([width] * count)
+def numbers(stream: rr.RecordingStream, entity: str, width: int) -> None:
+    """Write 20 rows of zeros."""
+    index = rr.TimeColumn("time", timestamp=np.array(times(20)).astype("datetime64[ns]"))
+    rows = rr.Scalars.columns(scalars=np.zeros(20 * width)).partition([width] * 20)
     stream.send_columns(entity, [index], rows)
 
 
@@ -176,7 +170,7 @@ REFUSED: dict[str, tuple[str, Callable[[Path, Path], Path]]] = {
     "merge the same time": ("contain the same time of bea \\(sim\\)", lambda path, folder: merged(path, folder, 7)),
     "merge another day": ("are 24.0 h apart", lambda path, folder: merged(path, folder, 86_400_000_000_000)),
     "points": (NO_POSITIONS, other(lambda stream: stream.log("p", rr.Points3D([[1, 2, 3]])))),
-    "angles of four arms": (FOREIGN, other(lambda stream: numbers(stream, "/x/sim/arms", at(20), 4))),
+    "angles of four arms": (FOREIGN, other(lambda stream: numbers(stream, "/x/sim/arms", 4))),
 }  # fmt: skip
 
 
@@ -207,7 +201,7 @@ def test_what_another_program_adds_or_leaves_out_does_no_harm(lesson: Path, tmp_
     found = read(without[0])
     assert list(found.robots) == [HW]
     assert found.robots[HW].lost is None
-    path = other(lambda stream: numbers(stream, "/bea/sim/more", at(20), 7))(lesson, tmp_path)
+    path = other(lambda stream: numbers(stream, "/bea/sim/more", 7))(lesson, tmp_path)
     path = path.rename(tmp_path / "more.rrd")
     (both,) = changed("merge", lesson, tmp_path, str(path))
     assert sorted(read(both).robots) == [HW, SIM]

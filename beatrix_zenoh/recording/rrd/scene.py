@@ -32,8 +32,6 @@ EARS = {"left": AXES["yaw"], "right": AXES["roll"]}
 """Colours of the curves of both ears."""
 LEVEL_WIDTHS = (6.0, 2.0)
 """Widths (points) of the levels of the left and the right ear: equal ones cover each other."""
-MARK_COLOURS = ((88, 96, 110), (116, 124, 138))
-"""Colours of notes on the time line."""
 STATES = {
     BarState.DISABLED: ("○", (120, 125, 130)),
     BarState.ENABLED: ("◐", (214, 190, 80)),
@@ -114,12 +112,6 @@ def of_name(robot: str) -> Iterator[Item]:
 def lines(colours: dict[str, Colour], width: float) -> rr.SeriesLines:
     """Return the style of curves of one width (points), by their names."""
     return rr.SeriesLines(names=list(colours), colors=list(colours.values()), widths=[width] * len(colours))
-
-
-def marks(texts: Sequence[str]) -> rr.StateConfiguration:
-    """Return the style of notes as bars; neighbours differ a little."""
-    colours = [MARK_COLOURS[i % len(MARK_COLOURS)] for i in range(len(texts))]
-    return rr.StateConfiguration(values=texts, labels=texts, colors=colours)
 
 
 def shape(mesh: Mesh) -> rr.Mesh3D:

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 import rerun as rr
@@ -15,7 +16,6 @@ import rerun as rr
 from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract.codec import encode_json
 from beatrix_zenoh.recording.rows import (
-    MARK,
     Bar,
     BodyTurn,
     Frame,
@@ -72,7 +72,6 @@ class RowStream:
         self._stream = rr.RecordingStream(APPLICATION, recording_id=recording_id, send_properties=False)
         self._name = name
         self._shown: set[Place] = set()
-        self._marks: dict[str, None] = {}
         self.broken = False
         """Whether the connection is lost permanently; further data are discarded."""
 
@@ -136,8 +135,6 @@ class RowStream:
 
     def send_batches(self, batches: Mapping[str, Batch]) -> None:
         """Send batches by the path of their entity, each as one chunk."""
-        if MARK in batches:
-            self._show_marks(batches[MARK].rows)
         for path, batch in batches.items():
             times, robot = (
                 np.array(column, dtype=np.int64).astype("datetime64[ns]")
@@ -145,13 +142,6 @@ class RowStream:
             )
             indexes = [rr.TimeColumn(TIME, timestamp=times), rr.TimeColumn(ROBOT_TIME, timestamp=robot)]
             self._stream.send_columns(path, indexes, columns(batch))
-
-    def _show_marks(self, rows: Sequence[RecordingRow]) -> None:
-        """Give new notes their colour: the viewer would choose any, such as red."""
-        before = len(self._marks)
-        self._marks.update(dict.fromkeys(row.state for row in rows if isinstance(row, Bar)))
-        if len(self._marks) > before:
-            self._stream.log(MARK, scene.marks(list(self._marks)), static=True)
 
     def flush(self, timeout_s: float) -> bool:
         """Wait until everything is written or sent; return False after the time limit, or if the connection is lost."""
@@ -179,16 +169,16 @@ def columns(batch: Batch) -> Iterable[rr.ComponentColumn]:
         case BodyTurn():
             return rr.Transform3D.columns(quaternion=flat.reshape(-1, 4))
         case Line():
-            lines = [row for row in rows if isinstance(row, Line)]
+            lines = cast("list[Line]", rows)
             texts = rr.TextLog.columns(text=[row.text for row in lines], level=[row.level for row in lines])
             return [*texts, *rr.AnyValues.columns(event=[row.json for row in lines])]
         case Bar():
-            return rr.StateChange.columns(state=[row.state for row in rows if isinstance(row, Bar)])
+            return rr.StateChange.columns(state=[row.state for row in cast("list[Bar]", rows)])
         case Frame():
-            pictures = [row.jpeg for row in rows if isinstance(row, Frame)]
+            pictures = [row.jpeg for row in cast("list[Frame]", rows)]
             return rr.EncodedImage.columns(blob=pictures, media_type=["image/jpeg"] * len(pictures))
         case SoundRow():
-            blocks = [row for row in rows if isinstance(row, SoundRow)]
+            blocks = cast("list[SoundRow]", rows)
             return rr.AnyValues.columns(
                 pcm=[block.pcm for block in blocks],
                 rate=np.array([block.rate for block in blocks]),

@@ -13,14 +13,13 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.files import new_file
 from beatrix_zenoh.output import FAILED, note, print_json, progress_bar, say
-from beatrix_zenoh.recording.verbs.files import read_recording
+from beatrix_zenoh.recording.verbs.files import only, read_recording
 from beatrix_zenoh.shutdown import signals_interrupt
 from beatrix_zenoh.terminal.options import Connect, Json, Name, Which, Who, finite
 from beatrix_zenoh.terminal.targets import Selection, open_targets
 
 if TYPE_CHECKING:  # importing numpy would delay `beatrix --help` by 0.1 s
     from beatrix_zenoh.recording.compare import Comparison
-    from beatrix_zenoh.recording.samples import Recorded
     from beatrix_zenoh.recording.series import Recording
 
 LIVE = "live"
@@ -126,10 +125,8 @@ def recorded(path: Path, name: str | None) -> tuple[Recording, Recording]:
     if found.about is not None:
         for text in (found.about.heading(), *found.about.warnings()):
             note(text)
-    both = sorted(
-        {robot for robot, _ in found.robots if {(robot, side) for side in SIDES} <= found.robots.keys()}
-    )
-    chosen = only_robot(path, [robot for robot in both if name in (None, robot)], found)
+    both = [place for place in found.robots if {(place[0], side) for side in SIDES} <= found.robots.keys()]
+    chosen, _ = only(both, name, "sim", "simulation and hardware of")
     begin_ns = int(found.robots[chosen, "sim"].time_ns[0])
     sim, hw = (
         replace(
@@ -139,22 +136,6 @@ def recorded(path: Path, name: str | None) -> tuple[Recording, Recording]:
         for side in SIDES
     )
     return sim, hw
-
-
-def only_robot(path: Path, names: list[str], found: Recorded) -> str:
-    """Return the only name; if there is not exactly one, raise Refused with the robots of the recording."""
-    if len(names) == 1:
-        return names[0]
-    held = ", ".join(f"{robot} ({side})" for robot, side in found.robots)
-    raise Refused(
-        Reason.BAD_VALUE,
-        f"{path} contains {held}. "
-        + (
-            "Choose a robot with --name."
-            if names
-            else "A comparison needs simulation and hardware of one name."
-        ),
-    )
 
 
 def draw(path: Path, found: Comparison, title: str) -> None:

@@ -23,7 +23,6 @@ if TYPE_CHECKING:  # importing numpy and rerun would delay every verb
     from beatrix_zenoh.recording.export import Table
     from beatrix_zenoh.recording.film import FilmFrame
     from beatrix_zenoh.recording.samples import EyePicture
-    from beatrix_zenoh.recording.sound import WrittenSound
 
 WAV = ".wav"
 FILM = ".mp4"
@@ -108,9 +107,9 @@ def export(
             without = f" {left_out} damaged or repeated pictures are left out." if left_out else ""
             lines.append(f"{video}: {frames} frames of {shows}.{without}")
         if sound is not None:
-            heard = write_sound(sound, recordings, found, on)
-            document |= {"sound": str(sound), "seconds": heard.seconds, "lost_s": heard.lost_s}
-            lines.append(f"{sound}: {heard}.")
+            seconds, lost_s = write_sound(sound, recordings, found, on)
+            document |= {"sound": str(sound), "seconds": seconds, "lost_s": lost_s}
+            lines.append(f"{sound}: {seconds:.1f} s of sound, {lost_s:.2f} s of it missing and silent.")
     if as_json:
         print_json(document)
     else:
@@ -206,13 +205,14 @@ def written_film(
     from beatrix_zenoh.recording.film import eye_frames, side_by_side, write_video
     from beatrix_zenoh.recording.rrd.read import read_eyes
 
-    name = only_name(table)
+    sides = dict(sorted(table.robots))
+    name, _ = only(sides.items(), None, None, "positions of")
     eyes = read_eyes(recordings, list(table.robots), table.first_ns, table.last_ns)
     pictures: Sequence[EyePicture] = ()
     if eye is None:
-        sides = [SIDE_TITLES[side] for side in SIDES if (name, side) in table.robots]
+        titles = [SIDE_TITLES[side] for side in SIDES if (name, side) in table.robots]
         without = "" if any(robot == name for robot, _, _ in eyes) else NO_PICTURES
-        shows, frames = f"{name}, {' and '.join(sides)}{without}", side_by_side(table, name, eyes)
+        shows, frames = f"{name}, {' and '.join(titles)}{without}", side_by_side(table, name, eyes)
     else:
         seen = [(robot, side) for robot, side, of in eyes if of == eye]
         _, side = only(seen, name, on, f"pictures of the {eye} eye (`record --cameras 5`) of")
@@ -225,17 +225,6 @@ def written_film(
     return count, max(0, len(pictures) - count), shows
 
 
-def only_name(table: Table) -> str:
-    """Return the only name of the robots in a table; raises Refused if there are several."""
-    names = sorted({name for name, _ in table.robots})
-    if len(names) > 1:
-        raise Refused(
-            Reason.BAD_VALUE,
-            f"The recording contains {', '.join(names)}: choose the robot of the film with --name.",
-        )
-    return names[0]
-
-
 def watched(frames: Iterable[FilmFrame], table: Table) -> Iterator[FilmFrame]:
     """Yield frames, and show the progress."""
     lasts_s = (table.last_ns - table.first_ns) / 1e9
@@ -246,7 +235,9 @@ def watched(frames: Iterable[FilmFrame], table: Table) -> Iterator[FilmFrame]:
             yield frame
 
 
-def write_sound(path: Path, recordings: Sequence[Path], table: Table, on: Which | None) -> WrittenSound:
+def write_sound(
+    path: Path, recordings: Sequence[Path], table: Table, on: Which | None
+) -> tuple[float, float]:
     """Write what one robot has heard, completely or not at all.
 
     Raises:

@@ -52,7 +52,7 @@ def only(candidates: Iterable[Place], name: str | None, side: str | None, what: 
     listed = ", ".join(f"{robot} ({side})" for robot, side in held) or "no robot"
     raise Refused(
         Reason.BAD_VALUE,
-        f"This part of the recording has {what} {listed}: choose one of them with --name, and --on sim or --on hw.",
+        f"This part of the recording has {what} {listed}: choose one robot with --name, and --on sim or --on hw where it has both.",
     )
 
 

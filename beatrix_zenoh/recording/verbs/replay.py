@@ -13,10 +13,10 @@ from beatrix_zenoh.client import motion_file
 from beatrix_zenoh.client.degrees import FASTEST, SLOWEST, RobotInfo, checked_factor, robot_of
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
+from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
 from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.output import note, progress_bar
-from beatrix_zenoh.recording.verbs.files import RECORDING, read_recording
+from beatrix_zenoh.recording.verbs.files import RECORDING, only, read_recording
 from beatrix_zenoh.terminal.options import Connect, Json, Name, On, Who, finite
 from beatrix_zenoh.terminal.targets import (
     Selection,
@@ -117,14 +117,8 @@ def recorded_path(found: Recorded, file: Path, name: str) -> ArmPath:
     from beatrix_zenoh.paths.path import path_of_recording
     from beatrix_zenoh.recording.series import of_samples
 
-    names = {robot for robot, _ in found.robots}
-    chosen = name if name in names else min(names)
-    if name not in names and len(names) > 1:
-        raise Refused(
-            Reason.BAD_VALUE,
-            f"{file} contains {', '.join(sorted(names))}, and not {name}: select one with --name.",
-        )
-    side = "sim" if (chosen, "sim") in found.robots else "hw"
+    sides = dict(sorted(found.robots))  # the simulation, if there is one
+    chosen, side = only(sides.items(), name if name in sides else None, None, "positions of")
     samples = found.robots[chosen, side]
     arms = of_samples(samples, int(samples.time_ns[0])).arms
     return path_of_recording(f"{file}, {chosen} ({side})", arms.t, arms.angles)
