@@ -21,7 +21,7 @@ from beatrix_zenoh import wav
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage, quoted
-from beatrix_zenoh.node import Component, Node, SoundBlock, microphones_publisher
+from beatrix_zenoh.node import Component, Node, SensorFrame, microphones_publisher, sound_block
 from beatrix_zenoh.node.sensors import (
     BEHIND,
     BLOCK,
@@ -40,19 +40,18 @@ TONES_HZ: Final = (500.0, 1000.0)
 LOUDNESS: Final = 0.25
 TONE, FILE, OFF = "tone", "file:", "off"
 SILENCE: Final = f"The microphones are plugged in but have delivered no sound for {SILENT_S:g} s. Unplug them, and plug them in again."
-SoundSource = SensorSource[SoundBlock]
 Frames = npt.NDArray[np.int16]
 """Shape (frames, 2): left, right."""
 
 
-def microphone_sensor(node: Node, source: SoundSource) -> Component:
+def microphone_sensor(node: Node, source: SensorSource) -> Component:
     """Return the two microphones of the robot."""
     key = keys.microphones(node.name, node.side)
     publisher = microphones_publisher(key, node.events, source.name, announce=True)
     return Sensor(TITLE, source, publisher, SILENCE)
 
 
-def choose(word: str) -> SoundSource | None:
+def choose(word: str) -> SensorSource | None:
     """Create the source that `--microphones` names; None for `off` and an empty text.
 
     No device is opened; a file is read once, to refuse a damaged one.
@@ -128,14 +127,14 @@ class RepeatedSound:
         self._frames, self._at = self._load(), 0
         self._clock.restart()
 
-    def next(self, timeout_s: float) -> SoundBlock | None:
+    def next(self, timeout_s: float) -> SensorFrame | None:
         """Wait for the next block and return it; None if it is complete after `timeout_s`."""
         begin_ns = self._clock.wait(timeout_s)
         if begin_ns is None:
             return None
         rows = (self._at + np.arange(BLOCK)) % len(self._frames)
         self._at += BLOCK
-        return SoundBlock(self._frames[rows].tobytes(), begin_ns, self.name, self._clock.dropped)
+        return sound_block(self._frames[rows].tobytes(), begin_ns, self.name, self._clock.dropped)
 
     def close(self) -> None:
         """Do nothing: there are no resources to free."""
@@ -177,7 +176,7 @@ class DeviceMicrophones:
     def __init__(self, word: str, sound: ModuleType) -> None:
         """`sound` is the module `sounddevice`."""
         self._word, self._sound = word, sound
-        self._blocks: queue.SimpleQueue[SoundBlock] = queue.SimpleQueue()
+        self._blocks: queue.SimpleQueue[SensorFrame] = queue.SimpleQueue()
         self._stop: Callable[[], None] = lambda: None
         self._due_ns = 0
         self._dropped = 0
@@ -202,25 +201,24 @@ class DeviceMicrophones:
 
     def _number(self) -> int:
         """Return the number of the device; raises NoAnswer if there is none or several."""
+        devices = enumerate(self._sound.query_devices())
         inputs = {
-            number: device
-            for number, device in enumerate(self._sound.query_devices())
+            number: str(device["name"])
+            for number, device in devices
             if device["max_input_channels"] >= CHANNELS
         }
-        listed = "; ".join(f"{number} {device['name']}" for number, device in inputs.items())
-        have = (
-            f"Devices with two channels: {listed}."
-            if listed
-            else "No device with two channels is plugged in."
-        )
         word = self._word.lower()
-        called = {number: str(device["name"]).lower() for number, device in inputs.items()}
-        found = [
-            number for number, name in called.items() if word == (str(number) if word.isdecimal() else name)
-        ][:1]
-        found = found or [number for number, name in called.items() if word in name and not word.isdecimal()]
+        found = [number for number, name in inputs.items() if word in (str(number), name.lower())][:1]
+        if not found and not word.isdecimal():
+            found = [number for number, name in inputs.items() if word in name.lower()]
         if len(found) == 1:
             return found[0]
+        listed = "; ".join(f"{number} {name}" for number, name in inputs.items())
+        have = (
+            f"Devices with two channels: {listed}."
+            if inputs
+            else "No device with two channels is plugged in."
+        )
         what = "is the name of several microphones" if found else "is no microphone"
         raise NoAnswer(Reason.NO_ANSWER, f"{quoted(self._word)} {what}. {have}")
 
@@ -251,7 +249,7 @@ class DeviceMicrophones:
         while self._blocks.qsize() > BEHIND:
             self._blocks.get_nowait()
             self._dropped += BLOCK
-        self._blocks.put(SoundBlock(bytes(data), begin_ns, self.name, self._dropped))
+        self._blocks.put(sound_block(bytes(data), begin_ns, self.name, self._dropped))
         self._due_ns = begin_ns + frames * 1_000_000_000 // RATE
 
     def _steady(self, begin_ns: int, *, overflow: bool) -> int:
@@ -263,7 +261,7 @@ class DeviceMicrophones:
             return max(begin_ns, self._due_ns)
         return self._due_ns + round(late_ns * STEADY)
 
-    def next(self, timeout_s: float) -> SoundBlock | None:
+    def next(self, timeout_s: float) -> SensorFrame | None:
         """Return the next block; None if none arrives within `timeout_s`."""
         try:
             return self._blocks.get(timeout=timeout_s)

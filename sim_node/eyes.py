@@ -19,7 +19,7 @@ from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import CameraStatus
 from beatrix_zenoh.contract._generated.robot import RobotData
-from beatrix_zenoh.node import CameraFrame, Component, Node, StatusFields, camera_publisher
+from beatrix_zenoh.node import Component, Node, SensorFrame, StatusFields, camera_publisher, picture
 from sim_node import gl
 from sim_node.painter import SceneState
 from sim_node.rays import RayPainter
@@ -70,7 +70,7 @@ class Drawing:
         user: object,
         scene_state: Callable[[], SceneState],
         views: Sequence[str],
-        publish: Callable[[str, CameraFrame], None],
+        publish: Callable[[str, SensorFrame], None],
     ) -> Drawn:
         """Draw the scene of a robot from these views when it is its turn, and publish each picture.
 
@@ -82,7 +82,7 @@ class Drawing:
                 renderer = self._renderer or self._start(user)
                 begin_s, state = time.monotonic(), scene_state()
                 for view, jpeg in renderer.draw(state, views):
-                    publish(view, CameraFrame(jpeg, WIDTH, HEIGHT, state.t_mono_ns, renderer.source))
+                    publish(view, picture(jpeg, WIDTH, HEIGHT, state.t_mono_ns, renderer.source))
             except OSError as error:
                 self._fail(user, error)
                 raise

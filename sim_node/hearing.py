@@ -23,7 +23,7 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES, RobotData
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.rotation import Rotation
-from beatrix_zenoh.node import Component, Node, SoundBlock, microphones_publisher
+from beatrix_zenoh.node import Component, Node, SensorFrame, microphones_publisher, sound_block
 from beatrix_zenoh.node.sensors import BLOCK, RATE, TITLE, BlockClock, Sensor, to_pcm
 from sim_node.shapes import Point, Vector
 
@@ -317,7 +317,7 @@ class SimulatedSound:
         self._clock.restart()
         self._ears.restart()
 
-    def next(self, timeout_s: float) -> SoundBlock | None:
+    def next(self, timeout_s: float) -> SensorFrame | None:
         """Wait for the next block and return it; None if it is complete after `timeout_s`."""
         dropped = self._clock.dropped
         begin_ns = self._clock.wait(timeout_s)
@@ -329,7 +329,7 @@ class SimulatedSound:
         began = 0.0 if sound is None else (begin_ns / 1e9 - sound.began_s) * RATE
         signal = None if sound is None else sound.emitted
         pcm = to_pcm(self._ears.block(self._hearing(), signal, began))
-        return SoundBlock(pcm, begin_ns, self.name, self._clock.dropped)
+        return sound_block(pcm, begin_ns, self.name, self._clock.dropped)
 
     def close(self) -> None:
         """Do nothing: there are no resources to free."""

@@ -81,16 +81,12 @@ class MotionHandler(Component):
 
 def begin(controller: MotionController, query: MotionQuery | PoseQuery, handle: RequestHandle) -> None:
     """Begin a motion; reply ACCEPTED now and DONE at its end. Raises BeatrixError if the motion is refused."""
-    remark = ""
 
     def accepted(number: int, goal: Goal) -> None:
-        nonlocal remark
-        remark = goal.remark
-        text = f"Accepted: {goal.duration:.1f} s.{remark}"
+        text = f"Accepted: {goal.duration:.1f} s."
         handle.reply(motion_reply(Phase.ACCEPTED, Reason.OK, text, number, goal.duration, goal.target))
 
     def ended(number: int, reason: Reason, text: str, took_s: float) -> None:
-        text += remark if reason is Reason.OK else ""
         handle.end(motion_reply(Phase.DONE, reason, text, number, took_s, controller.arms()))
 
     controller.begin(query, handle.caller, ended, accepted)

@@ -47,8 +47,6 @@ class Goal(msgspec.Struct, frozen=True):
     """whether yaw, pitch, roll are those from before the motion, because a relative pose did not turn them"""
     turns: bool = True
     """whether an arm turns; False if all arms rest at `steps` already"""
-    remark: str = ""
-    """a sentence for the replies, after a space; empty: there is nothing to say"""
 
     @property
     def duration(self) -> float:
@@ -71,11 +69,6 @@ class Planner:
         self.neck = Neck(robot.geometry)
         self.limits = MotionLimits(robot)
         self._limits_at = lru_cache(maxsize=8)(self._make_limits)
-        half_deg = 180 / self.gear.steps_per_turn
-        self._not_yet = (
-            f" The arms do not turn yet, because the goal is less than half a microstep ({half_deg:.3f}°) away; the next "
-            "relative motion counts from this goal."
-        )
         self.speed_limit = 0.0
         """Limit (rad/s) that the teacher has set for every arm; 0: none."""
         self._turn_speed = 0.0
@@ -182,7 +175,6 @@ class Planner:
             pose,
             _kept(query),
             turns,
-            "" if turns or not _asks_to_turn(query) else self._not_yet,
         )
 
     def _speed_of(self, query: MotionQuery | PoseQuery) -> Arms:
@@ -245,12 +237,6 @@ def _kept(query: MotionQuery | PoseQuery) -> tuple[bool, bool, bool]:
     if query.absolute or not isinstance(query, PoseQuery):
         return False, False, False
     return not query.yaw, not query.pitch, not query.roll
-
-
-def _asks_to_turn(query: MotionQuery | PoseQuery) -> bool:
-    """Return whether a query asks for a turn from the present position by an angle other than 0."""
-    asked = tuple3(query.position) if isinstance(query, MotionQuery) else (query.yaw, query.pitch, query.roll)
-    return not query.absolute and any(asked)
 
 
 def _sum(base: Arms, by: Arms) -> Arms:

@@ -3,7 +3,7 @@
 `Sensor` is a thread that reads a device only while a client subscribes, and survives its failures.
 
 A component that makes pictures (the renderer of a simulation, or the thread of a USB camera) has a publisher for each
-camera; microphones, with a `SoundBlock` in place of a picture, and every other sensor use one in the same way:
+camera; microphones, with a `sound_block` in place of a picture, and every other sensor use one in the same way:
 
     self._wake = threading.Event()
     self._left = camera_publisher(key, events, "egl", self._wake.set)
@@ -16,7 +16,7 @@ camera; microphones, with a `SoundBlock` in place of a picture, and every other 
             self._wake.wait()       # until a client subscribes
             self._wake.clear()
             continue
-        self._left.publish(CameraFrame(jpeg, 640, 480, t_mono_ns, "egl"))
+        self._left.publish(picture(jpeg, 640, 480, t_mono_ns, "egl"))
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final, Generic, Protocol, TypeVar
+from typing import Final, NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -69,26 +69,33 @@ Samples = npt.NDArray[np.floating]
 """Sound pressure, shape (frames, 2), left first; -1 to 1 is what 16 bits can hold."""
 
 
-@dataclass(frozen=True)
-class SoundBlock:
-    """A block of sound."""
+class SensorFrame(NamedTuple):
+    """What a sensor delivers: a picture or a block of sound, and its header, which `SensorPublisher` numbers."""
 
-    samples: bytes
-    """BLOCK frames of two int16, little-endian, left first"""
-    t_mono_ns: int
-    """monotonic clock of this computer at the first frame"""
-    source: str
-    """`device`, `file`, `tone` or `simulation`"""
-    dropped: int = 0
-    """frames that were lost before they reached the node, since the source was made"""
+    payload: bytes
+    header: FrameHeader | SoundHeader
 
-    def sent(self) -> tuple[bytes, SoundHeader]:
-        """Return payload and header, which `SensorPublisher` numbers."""
-        dropped = self.dropped % _SEQS
-        header = SoundHeader(
-            seq=0, t_mono_ns=self.t_mono_ns, t_wall_ns=0, rate=RATE, dropped=dropped, source=self.source
-        )
-        return self.samples, header
+
+def picture(jpeg: bytes, width: int, height: int, t_mono_ns: int, source: str) -> SensorFrame:
+    """Return a picture of this size (pixels).
+
+    `t_mono_ns`: monotonic clock of this computer at the exposure, or at the time of the rendered state. `source`:
+    `opencv`, `pattern`, `file`, `egl`, `osmesa` or `rays`.
+    """
+    header = FrameHeader(seq=0, t_mono_ns=t_mono_ns, t_wall_ns=0, width=width, height=height, source=source)
+    return SensorFrame(jpeg, header)
+
+
+def sound_block(samples: bytes, t_mono_ns: int, source: str, dropped: int = 0) -> SensorFrame:
+    """Return a block of sound: BLOCK frames of two int16, little-endian, left first.
+
+    `t_mono_ns`: monotonic clock of this computer at the first frame. `source`: `device`, `file`, `tone` or
+    `simulation`. `dropped`: frames that were lost before they reached the node, since the source was made.
+    """
+    header = SoundHeader(
+        seq=0, t_mono_ns=t_mono_ns, t_wall_ns=0, rate=RATE, dropped=dropped % _SEQS, source=source
+    )
+    return SensorFrame(samples, header)
 
 
 def to_pcm(samples: Samples) -> bytes:
@@ -128,44 +135,6 @@ class BlockClock:
         begin_ns = self._next_ns
         self._next_ns += BLOCK_NS
         return begin_ns
-
-
-@dataclass(frozen=True)
-class CameraFrame:
-    """One picture."""
-
-    jpeg: bytes
-    width: int
-    """pixels"""
-    height: int
-    """pixels"""
-    t_mono_ns: int
-    """monotonic clock of this computer at the exposure, or at the time of the rendered state"""
-    source: str
-    """`opencv`, `pattern`, `file`, `egl`, `osmesa` or `rays`"""
-
-    def sent(self) -> tuple[bytes, FrameHeader]:
-        """Return payload and header, which `SensorPublisher` numbers."""
-        header = FrameHeader(
-            seq=0,
-            t_mono_ns=self.t_mono_ns,
-            t_wall_ns=0,
-            width=self.width,
-            height=self.height,
-            source=self.source,
-        )
-        return self.jpeg, header
-
-
-class SensorFrame(Protocol):
-    """What a sensor delivers: a picture, a block of sound, or a measurement."""
-
-    @property
-    def t_mono_ns(self) -> int:
-        """Monotonic clock of this computer at that time."""
-
-    def sent(self) -> tuple[bytes, Struct]:
-        """Return payload, and the header with fields `seq` and `t_wall_ns`, which the publisher fills in."""
 
 
 @dataclass(frozen=True)
@@ -227,9 +196,8 @@ class SensorPublisher:
         if self._publication is None:
             return
         self._seq = (self._seq + 1) % _SEQS
-        payload, unnumbered = frame.sent()
-        t_wall_ns = frame.t_mono_ns + time.time_ns() - time.monotonic_ns()
-        header = replace(unnumbered, seq=self._seq, t_wall_ns=t_wall_ns)
+        t_wall_ns = frame.header.t_mono_ns + time.time_ns() - time.monotonic_ns()
+        header = replace(frame.header, seq=self._seq, t_wall_ns=t_wall_ns)
         self.report("")
         self._switch(on=True)
         now_s = time.monotonic()
@@ -239,7 +207,7 @@ class SensorPublisher:
             shared = {*header.__struct_fields__}.intersection(self._state.__struct_fields__)
             self._state = replace(self._state, **{name: getattr(header, name) for name in shared})
         # Publish last, so that a client that has the frame reads a status that includes it.
-        self._publication.put(payload, codec.encode(header))
+        self._publication.put(frame.payload, codec.encode(header))
 
     def ended(self) -> None:
         """Report that the sensor is off; the sensor calls it when no client subscribes any more."""
@@ -319,11 +287,8 @@ SILENT_S: Final = 3.0
 
 log = logging.getLogger(__name__)
 
-T = TypeVar("T", bound=SensorFrame)
-T_co = TypeVar("T_co", covariant=True)
 
-
-class SensorSource(Protocol[T_co]):
+class SensorSource(Protocol):
     """A camera, two microphones, what stands in for them, or simulated ones; used by one thread.
 
     `open` and `next` raise NoAnswer, with a message that says what to do, if there are no frames.
@@ -339,20 +304,20 @@ class SensorSource(Protocol[T_co]):
     def open(self) -> None:
         """Start taking frames."""
 
-    def next(self, timeout_s: float) -> T_co | None:
+    def next(self, timeout_s: float) -> SensorFrame | None:
         """Wait for the next frame and return it; None if none arrives within `timeout_s`."""
 
     def close(self) -> None:
         """Stop taking frames; may be called twice, and after `open` has failed."""
 
 
-class Sensor(Component, Generic[T]):
+class Sensor(Component):
     """Publishes the frames of a source; its failures do not affect the rest of the node."""
 
     def __init__(
         self,
         title: str,
-        source: SensorSource[T],
+        source: SensorSource,
         publisher: SensorPublisher,
         silence: str,
         check_s: float | None = CHECK_S,

@@ -13,17 +13,14 @@ from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage, quoted
-from beatrix_zenoh.node import CameraFrame, Component, Node, camera_publisher
+from beatrix_zenoh.node import Component, Node, camera_publisher
 from beatrix_zenoh.node.sensors import SILENT_S, Sensor, SensorSource
 from hw_node.cameras.stand_ins import Pattern, PictureFiles
 
 SILENCE: Final = f"The camera is plugged in but has delivered no picture for {SILENT_S:g} s. Unplug it, and plug it in again."
 
-FrameSource = SensorSource[CameraFrame]
-"""A camera or another source of pictures."""
 
-
-def camera_sensor(node: Node, eye: str, source: FrameSource) -> Component:
+def camera_sensor(node: Node, eye: str, source: SensorSource) -> Component:
     """Return one eye of the robot."""
     publisher = camera_publisher(keys.camera(node.name, node.side, eye), node.events, source.name)
     return Sensor(f"{eye} eye", source, publisher, SILENCE)
@@ -40,7 +37,7 @@ class CameraChoice:
     source: str
     """`pattern`, `file:PATH`, or a USB camera: its path (Linux) or its number"""
 
-    def build(self) -> FrameSource:
+    def build(self) -> SensorSource:
         """Create the source without opening it."""
         if self.source == PATTERN:
             return Pattern(self.eye)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
-from beatrix_zenoh.node import CameraFrame
+from beatrix_zenoh.node import SensorFrame, picture
 from hw_node.cameras import jpeg
 from hw_node.cameras.jpeg import HEIGHT, HZ, WIDTH
 
@@ -91,7 +91,7 @@ class OpenCvCamera:
         if sys.platform not in BACKENDS and self._capture.get(cv.CAP_PROP_FOURCC) == MOTION_JPEG:
             self._capture.set(cv.CAP_PROP_CONVERT_RGB, 0)
 
-    def next(self, timeout_s: float) -> CameraFrame | None:
+    def next(self, timeout_s: float) -> SensorFrame | None:
         """Return the next picture; None if it is damaged or does not arrive in time."""
         began_s = time.monotonic()
         pixels: Pixels | None = self._capture.read()[1]
@@ -109,18 +109,18 @@ class OpenCvCamera:
             log.debug("%s: damaged picture skipped (%s).", self._device, error)
             return None
 
-    def _frame(self, pixels: Pixels, now_ns: int) -> CameraFrame:
+    def _frame(self, pixels: Pixels, now_ns: int) -> SensorFrame:
         """Return a picture with the time of its exposure, or of its arrival; raises ValueError if it is damaged."""
         if pixels.ndim == 3:
             height, width = pixels.shape[:2]
-            picture = simplejpeg.encode_jpeg(pixels, QUALITY, colorspace="BGR", colorsubsampling="420")
+            encoded = simplejpeg.encode_jpeg(pixels, QUALITY, colorspace="BGR", colorsubsampling="420")
         else:
-            picture = jpeg.complete(pixels.tobytes())
-            width, height = jpeg.size(picture)
+            encoded = jpeg.complete(pixels.tobytes())
+            width, height = jpeg.size(encoded)
         self._delivered = True
         exposed_ns = round(self._capture.get(self._opencv.CAP_PROP_POS_MSEC) * 1e6)
         t_mono_ns = exposed_ns if now_ns - AGE_NS < exposed_ns < now_ns else now_ns
-        return CameraFrame(picture, width, height, t_mono_ns, self.name)
+        return picture(encoded, width, height, t_mono_ns, self.name)
 
     def close(self) -> None:
         """Release the camera; if it was open and has delivered no picture, the next attempt is at the other rate."""

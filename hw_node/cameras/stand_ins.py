@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.lettering import cells
-from beatrix_zenoh.node import CameraFrame
+from beatrix_zenoh.node import SensorFrame, picture
 from hw_node.cameras import jpeg
 from hw_node.cameras.jpeg import HEIGHT, HZ, WIDTH
 
@@ -48,7 +48,7 @@ class TimedPictures:
         """Begin with the first picture now."""
         self._due_s = time.monotonic()
 
-    def next(self, timeout_s: float) -> CameraFrame | None:
+    def next(self, timeout_s: float) -> SensorFrame | None:
         """Wait for the next picture and return it; None if it is due after `timeout_s`."""
         left_s = self._due_s - time.monotonic()
         time.sleep(max(0.0, min(left_s, timeout_s)))
@@ -59,7 +59,7 @@ class TimedPictures:
         return self.picture(time.monotonic_ns())
 
     @abstractmethod
-    def picture(self, t_mono_ns: int) -> CameraFrame:
+    def picture(self, t_mono_ns: int) -> SensorFrame:
         """Return the picture of this time; raises NoAnswer if there is none."""
 
     def close(self) -> None:
@@ -77,12 +77,12 @@ class Pattern(TimedPictures):
         bars = BARS if eye == "left" else BARS[::-1]
         self._image[:BARS_HEIGHT] = bars.repeat(-(-WIDTH // len(bars)), axis=0)[:WIDTH]
 
-    def picture(self, t_mono_ns: int) -> CameraFrame:
+    def picture(self, t_mono_ns: int) -> SensorFrame:
         """Draw the next picture."""
         self._number += 1
         self._draw(t_mono_ns)
         jpeg = simplejpeg.encode_jpeg(self._image, quality=QUALITY, colorspace="RGB", colorsubsampling="420")
-        return CameraFrame(jpeg, WIDTH, HEIGHT, t_mono_ns, self.name)
+        return picture(jpeg, WIDTH, HEIGHT, t_mono_ns, self.name)
 
     def _draw(self, t_mono_ns: int) -> None:
         """Draw the parts that change; the rest of the picture is constant."""
@@ -160,16 +160,16 @@ class PictureFiles(TimedPictures):
             if video.startswith(b"RIFF"):
                 self._period_s = max(1 / HZ_MAX, int.from_bytes(video[PERIOD], "little") / 1e6)
 
-    def picture(self, t_mono_ns: int) -> CameraFrame:
+    def picture(self, t_mono_ns: int) -> SensorFrame:
         """Return the next picture."""
         one = self._pictures[self._next % len(self._pictures)]
         self._next += 1
         try:
-            picture = jpeg.complete(one.read_bytes() if isinstance(one, Path) else one)
-            width, height = jpeg.size(picture)
+            whole = jpeg.complete(one.read_bytes() if isinstance(one, Path) else one)
+            width, height = jpeg.size(whole)
         except (OSError, ValueError) as error:
             raise self._unreadable(f"{one if isinstance(one, Path) else 'a picture'}: {error}") from error
-        return CameraFrame(picture, width, height, t_mono_ns, self.name)
+        return picture(whole, width, height, t_mono_ns, self.name)
 
     def _unreadable(self, why: str) -> NoAnswer:
         return NoAnswer(Reason.BAD_VALUE, f"{self._path} cannot be shown: {why}. Name {KINDS}.")

@@ -13,7 +13,7 @@ from robots import Stage, until
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
-from beatrix_zenoh.node import CameraFrame, sensors
+from beatrix_zenoh.node import SensorFrame, picture, sensors
 from hw_node.body import VirtualHardware
 from hw_node.cameras.camera import camera_sensor
 
@@ -36,14 +36,14 @@ class FakeSource:
     def open(self) -> None:
         self.opened += 1
 
-    def next(self, timeout_s: float) -> CameraFrame | None:
+    def next(self, timeout_s: float) -> SensorFrame | None:
         try:
             error = self.feed.get(timeout=timeout_s)
         except queue.Empty:
             return None
         if error is not None:
             raise error
-        return CameraFrame(PICTURE, 4, 3, time.monotonic_ns(), self.name)
+        return picture(PICTURE, 4, 3, time.monotonic_ns(), self.name)
 
     def close(self) -> None:
         self.closed += 1

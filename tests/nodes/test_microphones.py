@@ -12,7 +12,7 @@ from robots import Stage, wait_status
 from beatrix_zenoh import NoAnswer, Robot
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, Status
 from beatrix_zenoh.contract.errors import WrongUsage
-from beatrix_zenoh.node import SoundBlock, sensors
+from beatrix_zenoh.node import SensorFrame, sensors, sound_block
 from hw_node.body import VirtualHardware
 from hw_node.microphones import microphone_sensor
 
@@ -31,9 +31,9 @@ class FakeDevice:
     def open(self) -> None:
         self.opened += 1
 
-    def next(self, timeout_s: float) -> SoundBlock | None:
+    def next(self, timeout_s: float) -> SensorFrame | None:
         threading.Event().wait(min(timeout_s, 0.02))
-        return SoundBlock(bytes(3840), time.monotonic_ns(), self.name)
+        return sound_block(bytes(3840), time.monotonic_ns(), self.name)
 
     def close(self) -> None:
         self.closed += 1

@@ -13,6 +13,7 @@ import pytest
 import simplejpeg
 
 from beatrix_zenoh import NoAnswer
+from beatrix_zenoh.contract._generated.messages import FrameHeader
 from beatrix_zenoh.contract.errors import WrongUsage
 from hw_node.cameras import camera, jpeg
 from hw_node.cameras.stand_ins import Pattern, PictureFiles, number_and_time
@@ -28,7 +29,7 @@ def shown(files: PictureFiles, count: int) -> list[bytes]:
     files.open()
     frames = [files.next(1.0) for _ in range(count)]
     files.close()
-    return [frame.jpeg for frame in frames if frame is not None]
+    return [frame.payload for frame in frames if frame is not None]
 
 
 # -- the test picture ------------------------------------------------------------------------------
@@ -40,9 +41,10 @@ def test_programs_can_read_number_and_time_of_the_test_picture() -> None:
     for wanted in (1, 2, 3):
         frame = pattern.next(1.0)
         assert frame is not None
-        number, t_ms = number_and_time(simplejpeg.decode_jpeg(frame.jpeg))
-        assert (number, t_ms) == (wanted, frame.t_mono_ns // 1_000_000 % 2**32)
-        assert jpeg.size(frame.jpeg) == (frame.width, frame.height) == (640, 480)
+        number, t_ms = number_and_time(simplejpeg.decode_jpeg(frame.payload))
+        assert (number, t_ms) == (wanted, frame.header.t_mono_ns // 1_000_000 % 2**32)
+        assert isinstance(frame.header, FrameHeader)
+        assert jpeg.size(frame.payload) == (frame.header.width, frame.header.height) == (640, 480)
 
 
 # -- JPEG ------------------------------------------------------------------------------------------

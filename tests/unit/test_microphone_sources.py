@@ -33,8 +33,8 @@ def taken(word: str, count: int) -> tuple[Frames, list[int]]:
     source.open()
     blocks = [block for block in (source.next(1.0) for _ in range(count)) if block is not None]
     source.close()
-    data = b"".join(block.samples for block in blocks)
-    return np.frombuffer(data, "<i2").reshape(-1, 2), [block.t_mono_ns for block in blocks]
+    data = b"".join(block.payload for block in blocks)
+    return np.frombuffer(data, "<i2").reshape(-1, 2), [block.header.t_mono_ns for block in blocks]
 
 
 def test_the_tone_has_another_frequency_in_each_ear_and_no_click_between_blocks() -> None:

@@ -11,6 +11,7 @@ import simplejpeg
 from fake_opencv import PLUM, FakeOpenCv
 
 from beatrix_zenoh import NoAnswer
+from beatrix_zenoh.contract._generated.messages import FrameHeader
 from hw_node.cameras.opencv import OpenCvCamera
 
 
@@ -39,9 +40,10 @@ def test_pictures_that_the_driver_decodes_become_jpeg_with_the_time_of_their_arr
     assert frame is not None
     assert module.opened == [opened]
     assert module.asked == {3: 640, 4: 480, 5: 30, 6: 0x47504A4D}
-    assert (frame.width, frame.height, frame.source) == (640, 480, "opencv")
-    assert begin_ns < frame.t_mono_ns < time.monotonic_ns()
-    assert np.abs(simplejpeg.decode_jpeg(frame.jpeg).astype(int) - PLUM[::-1]).max() < 6
+    assert isinstance(frame.header, FrameHeader)
+    assert (frame.header.width, frame.header.height, frame.header.source) == (640, 480, "opencv")
+    assert begin_ns < frame.header.t_mono_ns < time.monotonic_ns()
+    assert np.abs(simplejpeg.decode_jpeg(frame.payload).astype(int) - PLUM[::-1]).max() < 6
 
 
 def test_an_unplugged_camera_is_an_error_and_one_that_delivers_nothing_is_reopened_at_half_the_rate() -> None:

@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 from beatrix_zenoh import NoAnswer
+from beatrix_zenoh.contract._generated.messages import SoundHeader
 from beatrix_zenoh.contract.errors import WrongUsage
-from beatrix_zenoh.node import SoundBlock
+from beatrix_zenoh.node import SensorFrame
 from beatrix_zenoh.node.sensors import BEHIND, BLOCK, BLOCK_NS
 from hw_node.microphones import DeviceMicrophones, choose
 
@@ -63,6 +64,12 @@ class FakeSound(ModuleType):
         return self.streams[-1]
 
 
+def lost(block: SensorFrame) -> int:
+    """Return the number of frames that were lost before a block."""
+    assert isinstance(block.header, SoundHeader)
+    return block.header.dropped
+
+
 class Listening:
     """Open microphones, a clock, and the blocks of the test."""
 
@@ -80,7 +87,7 @@ class Listening:
         data = np.full((BLOCK, 2), 7, "<i2").tobytes()
         self.sound.streams[-1].callback(data, BLOCK, times, overflow)
 
-    def blocks(self) -> list[SoundBlock]:
+    def blocks(self) -> list[SensorFrame]:
         found = []
         while (block := self.microphones.next(0.0)) is not None:
             found.append(block)
@@ -168,11 +175,11 @@ def test_blocks_have_the_time_of_their_first_frame_without_the_jitter_of_the_dri
     for i, jitter_ns in enumerate((0, 3_000_000, -2_000_000, 4_000_000, 0)):
         listening.deliver(begin_ns + i * BLOCK_NS + jitter_ns)
     blocks = listening.blocks()
-    assert blocks[0].t_mono_ns == begin_ns
-    errors = [block.t_mono_ns - begin_ns - i * BLOCK_NS for i, block in enumerate(blocks)]
+    assert blocks[0].header.t_mono_ns == begin_ns
+    errors = [block.header.t_mono_ns - begin_ns - i * BLOCK_NS for i, block in enumerate(blocks)]
     assert max(map(abs, errors)) < 200_000
-    assert {block.dropped for block in blocks} == {0}
-    assert blocks[0].samples == np.full(2 * BLOCK, 7, "<i2").tobytes()
+    assert {lost(block) for block in blocks} == {0}
+    assert blocks[0].payload == np.full(2 * BLOCK, 7, "<i2").tobytes()
 
 
 def test_the_clock_of_the_device_is_followed(listening: Listening) -> None:
@@ -181,8 +188,8 @@ def test_the_clock_of_the_device_is_followed(listening: Listening) -> None:
     for i in range(5000):
         listening.deliver(begin_ns + i * period_ns)
         (block,) = listening.blocks()
-        assert abs(block.t_mono_ns - begin_ns - i * period_ns) < 1_000_000
-        assert block.dropped == 0
+        assert abs(block.header.t_mono_ns - begin_ns - i * period_ns) < 1_000_000
+        assert lost(block) == 0
 
 
 @pytest.mark.parametrize("overflow", [False, True])
@@ -191,8 +198,8 @@ def test_a_gap_is_counted_in_frames(listening: Listening, overflow: bool) -> Non
     listening.deliver(10**12 + 4 * BLOCK_NS, overflow=overflow)
     listening.deliver(10**12 + 5 * BLOCK_NS)
     blocks = listening.blocks()
-    assert [block.dropped for block in blocks] == [0, 3 * BLOCK, 3 * BLOCK]
-    assert [block.t_mono_ns for block in blocks] == [10**12 + i * BLOCK_NS for i in (0, 4, 5)]
+    assert [lost(block) for block in blocks] == [0, 3 * BLOCK, 3 * BLOCK]
+    assert [block.header.t_mono_ns for block in blocks] == [10**12 + i * BLOCK_NS for i in (0, 4, 5)]
 
 
 def test_blocks_that_nobody_takes_are_dropped_and_counted(listening: Listening) -> None:
@@ -200,8 +207,8 @@ def test_blocks_that_nobody_takes_are_dropped_and_counted(listening: Listening) 
         listening.deliver(10**12 + i * BLOCK_NS)
     blocks = listening.blocks()
     assert len(blocks) == BEHIND + 1
-    assert blocks[-1].dropped == (20 - BEHIND - 1) * BLOCK
-    assert blocks[-1].t_mono_ns == 10**12 + 19 * BLOCK_NS
+    assert lost(blocks[-1]) == (20 - BEHIND - 1) * BLOCK
+    assert blocks[-1].header.t_mono_ns == 10**12 + 19 * BLOCK_NS
 
 
 # -- what to install -------------------------------------------------------------------------------

@@ -19,12 +19,12 @@ _TRIES: Final = 5
 _ROUNDING: Final = 1e-6
 
 
-def furthest(start: Arms, goal: Arms, accepts: Callable[[Arms], bool], first: float = 1.0) -> Arms | None:
+def furthest(start: Arms, goal: Arms, accepts: Callable[[Arms], bool]) -> Arms | None:
     """Return the furthest accepted point found on the line from `start` to `goal` (rad), None if there is none.
 
-    accepts: whether a request for this point would be accepted. first: share of the line for the first try.
+    accepts: whether a request for this point would be accepted.
     """
-    low, high, share = 0.0, 1.0, first
+    low, high, share = 0.0, 1.0, 1.0
     found: Arms | None = None
     for _ in range(_TRIES):
         if share * math.dist(start, goal) < math.radians(_GRID_DEG):

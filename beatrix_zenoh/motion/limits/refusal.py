@@ -16,8 +16,6 @@ from beatrix_zenoh.motion.trajectory import PlannedMotion, Trajectory
 
 _SAMPLES: Final = 24
 _PAIRS: Final = (["short", "middle"], ["middle", "long"], ["long", "short"])
-_SHORT_OF_VIOLATION: Final = 0.97
-"""Share of the path to a violation that is tried first."""
 
 
 class RefusalBuilder:
@@ -59,7 +57,7 @@ class RefusalBuilder:
         if not at_goal:
             trajectory = motion.trajectory(self._acceleration)
             arms = max(_after(violation, trajectory), key=lambda arms: self._excess(index, arms))
-        alternative = self._alternative(violation, motion, at_goal=at_goal)
+        alternative = self._alternative(motion, at_goal=at_goal)
         return self._refused(index, arms, at_goal=at_goal, violation=violation, alternative=alternative)
 
     def of_start(self, start: Arms) -> Refused:
@@ -87,9 +85,9 @@ class RefusalBuilder:
         alone = PlannedMotion(motion.start, motion.velocity, arms, motion.speed, straight=False)
         return Alternative(head=Head(*head), arms=Vector3(*arms) if self._accepts(alone) else None)
 
-    def for_arms(self, goal: Arms, motion: PlannedMotion, first: float = 1.0) -> Alternative | None:
+    def for_arms(self, goal: Arms, motion: PlannedMotion) -> Alternative | None:
         """Return the accepted position of the arms found furthest towards `goal` (rad), None if there is none."""
-        arms = furthest(motion.start, goal, lambda arms: self._accepts(motion.to(arms)), first)
+        arms = furthest(motion.start, goal, lambda arms: self._accepts(motion.to(arms)))
         return None if arms is None else Alternative(arms=Vector3(*arms))
 
     def _exceeded_limit(self, violation: Violation, motion: PlannedMotion) -> tuple[int, bool]:
@@ -104,15 +102,11 @@ class RefusalBuilder:
             return max(at_goal), True
         return violation.index, True
 
-    def _alternative(
-        self, violation: Violation, motion: PlannedMotion, *, at_goal: bool
-    ) -> Alternative | None:
+    def _alternative(self, motion: PlannedMotion, *, at_goal: bool) -> Alternative | None:
         if not motion.straight:
             if not at_goal and (speed := self._speed(motion)) is not None:
                 return Alternative(speed=Vector3(*speed))
-            travel = math.dist(motion.start, motion.target)
-            share = math.dist(motion.start, violation.arms) / travel if travel else 0.0
-            return self.for_arms(motion.target, motion, min(1.0, share) * _SHORT_OF_VIOLATION)
+            return self.for_arms(motion.target, motion)
         try:
             pose = self._neck.forward(motion.target)
         except BeatrixError:
