@@ -7,7 +7,6 @@ module imports sounddevice.
 from __future__ import annotations
 
 import queue
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -158,12 +157,11 @@ def library() -> ModuleType:
     """Import sounddevice; raises WrongUsage with what to install if it or PortAudio is missing."""
     try:
         import sounddevice  # noqa: PLC0415 - an extra; its import loads PortAudio
-    except ImportError as error:
-        text = 'Microphones need sounddevice: pip install ".[sound]" in the folder of BEATRIX.'
-        raise WrongUsage(Reason.BAD_VALUE, text) from error
-    except OSError as error:
-        how = "sudo apt install libportaudio2" if sys.platform.startswith("linux") else "install PortAudio"
-        text = f"The system library PortAudio is missing: {how}."
+    except (ImportError, OSError) as error:
+        text = (
+            'Microphones need sounddevice, pip install ".[sound]" in the folder of BEATRIX, and the system library '
+            "PortAudio, on Linux `sudo apt install libportaudio2`."
+        )
         raise WrongUsage(Reason.BAD_VALUE, text) from error
     return cast("ModuleType", sounddevice)
 
