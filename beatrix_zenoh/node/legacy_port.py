@@ -38,7 +38,7 @@ class LegacyPort(Component):
         self._lines = LineQueue(terminal.write, board_watch.board, self._driving)
         controller.on_stop.append(self._lines.refuse_waiting_motions)
         board_watch.observe(Observer(self._lines.observe, lambda: False, urgent=False))
-        board_watch.on_text(self._board_sent)
+        board_watch.board.on_text = self._board_sent
 
     def start(self, sessions: Sessions) -> None:  # noqa: ARG002
         self._terminal.start(self)
