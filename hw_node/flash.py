@@ -11,8 +11,7 @@ from typing import Annotated
 
 import typer
 from rich.console import Console
-from rich.progress import Progress as Bar
-from rich.progress import TaskID
+from rich.progress import Progress
 
 from beatrix_zenoh import files
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -88,13 +87,11 @@ FIRST_PAGE = (
 HALF_WRITTEN = "The board contains an incomplete firmware and will not start it. Run `beatrix flash` again. The boot loader is intact."
 COMPLETE = "The firmware is written and verified. Press the reset button to start it."
 
-Progress = Callable[[str, int, int], None]
-"""A function of the name of the step, the bytes done, and the total number of bytes."""
 SetState = Callable[[str], None]
 """A function of the sentence that describes the board from now on."""
 
 
-def program(wire: Wire, image: bytes, show_progress: Progress, now: SetState) -> None:
+def program(wire: Wire, image: bytes, bar: Progress, now: SetState) -> None:
     """Reset the board, write and verify the firmware, and start it.
 
     The first page contains an endless loop until all others are verified, so a board that loses its connection or power
@@ -108,19 +105,15 @@ def program(wire: Wire, image: bytes, show_progress: Progress, now: SetState) ->
     programmer = Programmer(wire)
     wire.reset_board()
     programmer.sign_on()
-    size = len(image)
-    pages = [(at, image[at : at + PAGE].ljust(PAGE, b"\xff")) for at in range(0, size, PAGE)]
-    show_progress("Writing", 0, size)
+    pages = [(at, image[at : at + PAGE].ljust(PAGE, b"\xff")) for at in range(0, len(image), PAGE)]
     now(FIRST_PAGE)
     programmer.write(0, PARKED)
     programmer.check(0, PARKED)
     now(HALF_WRITTEN)
-    for at, page in pages[1:]:
+    for at, page in bar.track(pages[1:], description="Writing"):
         programmer.write(at, page)
-        show_progress("Writing", min(at + PAGE, size), size)
-    for at, page in pages[1:]:
+    for at, page in bar.track(pages[1:], description="Verifying"):
         programmer.check(at, page)
-        show_progress("Verifying", min(at + PAGE, size), size)
     now(FIRST_PAGE)
     programmer.write(*pages[0])
     programmer.check(*pages[0])
@@ -180,12 +173,12 @@ def flash(
                 Reason.BAD_VALUE,
                 f"--port {port} is a virtual board, which cannot be flashed. Name a serial port.",
             )
-        device = port or find()
+        device, console = port or find(), Console(stderr=True)
         wire = SerialPort(device, stk500.BAUD)
         try:
             note(f"{device}: waiting for the boot loader. Hold the head: the motors switch off.")
-            with progress() as show_progress:
-                program(wire, image, show_progress, now)
+            with Progress(console=console, disable=not console.is_terminal) as bar:
+                program(wire, image, bar, now)
         finally:
             wire.close()
     if as_json:
@@ -194,21 +187,6 @@ def flash(
         say(
             f"{device}: {len(image)} bytes written and verified. Home is unknown: set the head upright, enable, calibrate."
         )
-
-
-@contextmanager
-def progress() -> Iterator[Progress]:
-    """Yield a function that shows progress on stderr, if that is a terminal."""
-    console = Console(stderr=True)
-    with Bar(console=console, disable=not console.is_terminal) as bar:
-        tasks: dict[str, TaskID] = {}
-
-        def draw(what: str, done: int, size: int) -> None:
-            if what not in tasks:
-                tasks[what] = bar.add_task(what, total=size)
-            bar.update(tasks[what], completed=done)
-
-        yield draw
 
 
 def main(words: list[str] | None = None) -> int:

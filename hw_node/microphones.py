@@ -7,7 +7,6 @@ module imports sounddevice.
 from __future__ import annotations
 
 import queue
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -158,12 +157,11 @@ def library() -> ModuleType:
     """Import sounddevice; raises WrongUsage with what to install if it or PortAudio is missing."""
     try:
         import sounddevice  # noqa: PLC0415 - an extra; its import loads PortAudio
-    except ImportError as error:
-        text = 'Microphones need sounddevice: pip install ".[sound]" in the folder of BEATRIX.'
-        raise WrongUsage(Reason.BAD_VALUE, text) from error
-    except OSError as error:
-        how = "sudo apt install libportaudio2" if sys.platform.startswith("linux") else "install PortAudio"
-        text = f"The system library PortAudio is missing: {how}."
+    except (ImportError, OSError) as error:
+        text = (
+            'Microphones need sounddevice, pip install ".[sound]" in the folder of BEATRIX, and the system library '
+            "PortAudio, on Linux `sudo apt install libportaudio2`."
+        )
         raise WrongUsage(Reason.BAD_VALUE, text) from error
     return cast("ModuleType", sounddevice)
 
@@ -201,25 +199,24 @@ class DeviceMicrophones:
 
     def _number(self) -> int:
         """Return the number of the device; raises NoAnswer if there is none or several."""
+        devices = enumerate(self._sound.query_devices())
         inputs = {
-            number: device
-            for number, device in enumerate(self._sound.query_devices())
+            number: str(device["name"])
+            for number, device in devices
             if device["max_input_channels"] >= CHANNELS
         }
-        listed = "; ".join(f"{number} {device['name']}" for number, device in inputs.items())
-        have = (
-            f"Devices with two channels: {listed}."
-            if listed
-            else "No device with two channels is plugged in."
-        )
         word = self._word.lower()
-        called = {number: str(device["name"]).lower() for number, device in inputs.items()}
-        found = [
-            number for number, name in called.items() if word == (str(number) if word.isdecimal() else name)
-        ][:1]
-        found = found or [number for number, name in called.items() if word in name and not word.isdecimal()]
+        found = [number for number, name in inputs.items() if word in (str(number), name.lower())][:1]
+        if not found and not word.isdecimal():
+            found = [number for number, name in inputs.items() if word in name.lower()]
         if len(found) == 1:
             return found[0]
+        listed = "; ".join(f"{number} {name}" for number, name in inputs.items())
+        have = (
+            f"Devices with two channels: {listed}."
+            if inputs
+            else "No device with two channels is plugged in."
+        )
         what = "is the name of several microphones" if found else "is no microphone"
         raise NoAnswer(Reason.NO_ANSWER, f"{quoted(self._word)} {what}. {have}")
 

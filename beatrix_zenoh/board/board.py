@@ -48,11 +48,11 @@ class Board(BoardConnection):
         open_port: Callable[[], Port],
         on_telemetry: Callable[[Telemetry], None],
         on_link: Callable[[], None],
-        on_text: Callable[[Text | TextWarning], None] = lambda *_: None,
     ) -> None:
         """Store the callbacks; `start` opens the port."""
         super().__init__(open_port, on_telemetry, on_link)
-        self._on_text = on_text
+        self.on_text: Callable[[Text | TextWarning], None] = lambda *_: None
+        """Set this before `start`."""
         self._lock = threading.Lock()
         self._pending: dict[tuple[int, int], queue.SimpleQueue[int]] = {}
         self._seq = 0
@@ -160,9 +160,9 @@ class Board(BoardConnection):
 
     def _handle(self, frame: SerialFrame) -> None:
         if frame.type == FrameType.TEXT and len(frame.payload) > 1:
-            self._on_text(Text.unpack(frame.payload))
+            self.on_text(Text.unpack(frame.payload))
         elif frame.type == FrameType.TEXT_WARNING and len(frame.payload) == TextWarning.layout.size:
-            self._on_text(TextWarning.unpack(frame.payload))
+            self.on_text(TextWarning.unpack(frame.payload))
         elif FrameType.ACK <= frame.type < FrameType.TELEMETRY and frame.payload:  # a reply
             slot = self._pending.get((frame.type, frame.seq))
             if slot is not None:

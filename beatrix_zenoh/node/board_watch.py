@@ -9,7 +9,7 @@ from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.board.state import NO_TELEMETRY
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Fault
-from beatrix_zenoh.contract._generated.serial import BoardState, Telemetry, Text, TextWarning
+from beatrix_zenoh.contract._generated.serial import BoardState, Telemetry
 from beatrix_zenoh.node.access import Access
 from beatrix_zenoh.node.interfaces import Component, HardwareInterface, StatusFields
 from beatrix_zenoh.node.requests import ControllerQueue
@@ -46,17 +46,12 @@ class BoardWatch(Component):
         self._owner, self._schedule = owner, schedule
         self._hardware, self._access, self._queue = hardware, access, queue
         self._observers: list[Observer] = []
-        self._on_text: Callable[[Text | TextWarning], None] = lambda *_: None
         self._last_state: tuple[int, ...] = ()
-        self.board = Board(hardware.open_port, self._telemetry, self._link, self._text)
+        self.board = Board(hardware.open_port, self._telemetry, self._link)
 
     def observe(self, observer: Observer) -> None:
         """Add an observer; call this before `start`."""
         self._observers.append(observer)
-
-    def on_text(self, handle: Callable[[Text | TextWarning], None]) -> None:
-        """Pass lines and warnings of the text port to `handle`, on the board's thread; call this before `start`."""
-        self._on_text = handle
 
     def start(self, sessions: Sessions) -> None:  # noqa: ARG002
         port = self._hardware.timed_port()
@@ -104,6 +99,3 @@ class BoardWatch(Component):
 
     def _enqueue(self, observer: Observer) -> None:
         (self._queue.post_urgent if observer.urgent else self._queue.post_event)(observer.observe)
-
-    def _text(self, frame: Text | TextWarning) -> None:
-        self._on_text(frame)

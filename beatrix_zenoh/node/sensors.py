@@ -342,7 +342,7 @@ class Sensor(Component):
 
     def start(self, sessions: Sessions) -> None:
         self._publisher.start(sessions)
-        self._thread = threads.start(self._run, self._title)
+        self._thread = threads.start(self._run, f"sensor-{self._title}")
 
     def contribute(self, status: StatusFields) -> None:
         self._publisher.contribute(status)

@@ -85,9 +85,8 @@ def serve(
             for name in names:
                 if not shutdown.requested(0):
                     own = sessions if alone else Sessions(sessions.connect, sessions)
-                    node = _open(own, build(name), name, robot, legacy, None if alone else robots.clock)
-                    _begin(node, legacy, ready=ready)
-                    robots.nodes[name] = node
+                    clock = None if alone else robots.clock
+                    robots.nodes[name] = _start(own, build(name), name, robot, legacy, clock, ready=ready)
             gc.freeze()  # without this, garbage collection would stop all threads for milliseconds
             shutdown.wait()
         finally:
@@ -108,9 +107,25 @@ def _check_free(names: Sequence[str], bus: Bus) -> None:
         )
 
 
-def _begin(node: Node, legacy: Path | None, *, ready: bool) -> None:
-    """Make the robot ready if this is wanted, then print that the node serves; close a node for which this fails."""
+def _start(
+    sessions: Sessions,
+    hardware: RobotBody,
+    name: str,
+    robot: RobotData,
+    legacy: Path | None,
+    clock: Schedule | None,
+    *,
+    ready: bool,
+) -> Node:
+    """Return a node that serves, and print that it does; if that fails, close what it owns."""
     with ExitStack() as undo:
+        undo.callback(hardware.close)
+        undo.callback(sessions.close)
+        terminal = None if legacy is None else Terminal(legacy)
+        if terminal is not None:
+            undo.callback(terminal.close)
+        node = Node(sessions, name, hardware, robot, terminal, files.user_folder() / KEPT, clock).start()
+        undo.pop_all()
         undo.callback(node.close)
         if ready:
             node.make_ready()
@@ -121,26 +136,6 @@ def _begin(node: Node, legacy: Path | None, *, ready: bool) -> None:
         print(f"ready {node.alive_key}{without}", flush=True)
         if legacy is not None:
             print(f"Old programs open {legacy.absolute()}.", file=sys.stderr, flush=True)
-        undo.pop_all()
-
-
-def _open(
-    sessions: Sessions,
-    hardware: RobotBody,
-    name: str,
-    robot: RobotData,
-    legacy: Path | None,
-    clock: Schedule | None,
-) -> Node:
-    """Return a started node; if it cannot start, close `sessions`, `hardware` and the terminal."""
-    with ExitStack() as undo:
-        undo.callback(hardware.close)
-        undo.callback(sessions.close)
-        terminal = None if legacy is None else Terminal(legacy)
-        if terminal is not None:
-            undo.callback(terminal.close)
-        node = Node(sessions, name, hardware, robot, terminal, files.user_folder() / KEPT, clock)
-        node.start()
         undo.pop_all()
         return node
 

@@ -73,11 +73,6 @@ def test_a_motion_gets_two_replies_accepted_and_done(robot: Robot) -> None:
     in_time(abs(done.duration - accepted.duration), 0.15, "duration apart from the one announced")
 
 
-def test_the_duration_follows_from_the_speed(robot: Robot) -> None:
-    slow = robot.move(6, 0, 0, speed=6)
-    assert slow.duration == pytest.approx(6 / 6 + 6 / 180, rel=0.02)
-
-
 def test_a_newer_motion_replaces_the_running_one(robot: Robot) -> None:
     first = robot.look(yaw=40, wait=False)
     robot.look(yaw=-5, speed=60)
@@ -132,15 +127,6 @@ def test_an_impossible_motion_is_refused_and_nothing_moves(
     assert word in refusal.value.message.lower()
     assert raw_positions(robot).steps == before
     assert not robot.status().moving
-
-
-@pytest.mark.bodies("in-process")
-@pytest.mark.parametrize(("pitch", "word"), [(40.0, "35"), (179.0, "")])
-def test_the_refusal_of_an_impossible_pose_states_the_limit(robot: Robot, pitch: float, word: str) -> None:
-    with pytest.raises(Refused) as refusal:
-        robot.look(pitch=pitch)
-    assert refusal.value.reason is Reason.OUT_OF_REACH
-    assert word in refusal.value.message
 
 
 def test_the_suggestion_of_a_refusal_is_accepted(robot: Robot) -> None:

@@ -75,17 +75,6 @@ def test_each_request_has_its_reply_and_next_state(before: str, request_name: st
     assert rig.core.drivers_on() == bool(rig.state & BoardState.ENABLED)
 
 
-def test_an_emergency_stop_takes_effect_when_it_is_received(ready: Rig) -> None:
-    ready.move((400, 400, 400))
-    ready.tick(300)
-    at = ready.steps
-    ready.ask(FrameType.EMERGENCY_STOP)
-    assert (ready.state, ready.outcome) == (LATCHED, BoardOutcome.EMERGENCY)
-    assert ready.last.velocity == (0, 0, 0)
-    ready.tick(100)
-    assert ready.steps == at
-
-
 def test_the_outcome_names_motors_switched_off_in_motion_and_an_emergency_stop_at_rest_keeps_it(
     ready: Rig,
 ) -> None:

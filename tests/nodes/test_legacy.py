@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
 from itertools import groupby
 from pathlib import Path
 
 import pytest
 from dialogues import DIALOGUES, expected_replies, read
-from old_programs import Place, Program
+from old_programs import Place
 from robots import Stage, until
 
 from beatrix_zenoh import Refused
@@ -78,18 +77,3 @@ def test_any_client_stops_an_old_program(place: Place) -> None:
         assert program.read(4) == ["ACK\n", "NACK\n"] * 2
         assert 0 < program.x < 500
         assert program.say("@MOVRX 5 200") == ["ACK\n", "NACK\n"], "a stopped program has to pause"
-
-
-@pytest.mark.long("motions in real time")
-@pytest.mark.bodies("hw")
-def test_after_the_end_of_a_program_its_motion_is_finished_and_waiting_lines_are_dropped(
-    place: Place,
-) -> None:
-    place.until_free()
-    place.robot.make_ready()  # else @CALNOW would set home, from which positions count
-    at = place.robot.positions().commanded.short
-    with contextlib.closing(Program(place.path).port) as port:
-        port.write(b"@ENMOTORS ON\r@CALNOW\r@MOVRALL 100 100 100\r@MOVRALL -100 -100 -100\r")
-        until(lambda: place.robot.status().moving, "moving")
-    until(lambda: not place.robot.status().moving, "it rests")
-    assert place.robot.positions().commanded.short == pytest.approx(at + 8.6, abs=0.1), "100 steps"

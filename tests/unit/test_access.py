@@ -23,7 +23,7 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.refusals import LINGER_S
 from beatrix_zenoh.node.access import Access, Operation
 from beatrix_zenoh.node.callers import Caller
-from beatrix_zenoh.node.lease_queries import take
+from beatrix_zenoh.node.lease_queries import mute, take
 from sim_node.following.arms import follows
 
 
@@ -133,12 +133,22 @@ def test_a_reset_received_before_the_emergency_stop_does_not_clear_it(access: Ac
     assert access.latched
 
 
-def test_take_is_refused_if_emergency_stop_was_pressed_since_authorize(access: Access) -> None:
+@pytest.mark.parametrize(
+    ("meanwhile", "reason"),
+    [
+        (lambda access: access.stop_pressed(BEN, 0, emergency=True), Reason.EMERGENCY),
+        (lambda access: mute(access, "ana", 0), Reason.MUTED),
+        (freeze, Reason.FROZEN),
+    ],
+)
+def test_take_is_refused_for_what_has_happened_since_authorize(
+    access: Access, meanwhile: Callable[[Access], object], reason: Reason
+) -> None:
     access.authorize(Operation.MOVE, ANA, 0)
-    access.stop_pressed(BEN, 0, emergency=True)
+    meanwhile(access)
     with pytest.raises(Refused) as refused:
         access.take(ANA)
-    assert refused.value.reason is Reason.EMERGENCY
+    assert refused.value.reason is reason
 
 
 # -- sessions -----------------------------------------------------------------------------------

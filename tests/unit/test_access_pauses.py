@@ -121,11 +121,6 @@ def test_if_another_session_of_the_seat_pressed_stop_only_the_stopped_session_mu
     assert refusal(access, ANA, 1.3) is Reason.STOPPED
 
 
-def test_seats_whose_motion_was_not_stopped_need_not_pause(access: Access) -> None:
-    stop(begin_motion(access, ANA, 0), BEN, 1).release(1)
-    assert refusal(access, BEN, 1.1) is Reason.OK
-
-
 def test_a_seat_whose_session_ended_just_before_stop_must_pause(access: Access) -> None:
     """Another process of that seat could continue the stream of motions."""
     access.session_changed(ANA_AGAIN, 0, alive=True)

@@ -77,14 +77,6 @@ def test_the_stop_of_a_muted_seat_stops_no_other_seat(access: Access, emergency:
     assert refusal(access, BEN, 1.1) is Reason.OK, "the stream goes on"
 
 
-def test_a_motion_of_a_seat_that_is_muted_after_authorize_does_not_begin(access: Access) -> None:
-    access.authorize(Operation.MOVE, ANA, 0)
-    mute(access, "ana", 0)
-    with pytest.raises(Refused) as refused:
-        access.take(ANA)
-    assert refused.value.reason is Reason.MUTED
-
-
 def test_the_end_of_a_turn_gives_the_robot_to_the_next_seat_although_the_last_one_moves(
     access: Access,
 ) -> None:

@@ -14,7 +14,7 @@ from beatrix_zenoh.contract._generated.robot import GeometryData
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.kinematics import Neck
-from beatrix_zenoh.motion.rotation import dot, rotation_of
+from beatrix_zenoh.motion.rotation import dot, leaning, rotation_of
 
 ANGLES = ((45, 90, 90), (54, 90, 90), (45, 80, 85), (45, 95, 100), (60, 90, 90))
 NECKS = [
@@ -32,12 +32,6 @@ directions = st.floats(-math.pi, math.pi)
 shares = st.floats(0, 1)
 
 
-def pose(tilt: float, direction: float) -> tuple[float, float]:
-    """Return pitch and roll (rad) of a head that is tilted towards a direction."""
-    level = math.sin(tilt)
-    return math.asin(level * math.cos(direction)), math.atan2(level * math.sin(direction), math.cos(tilt))
-
-
 def reachable(neck: Neck, share: float) -> float:
     """Return a share of the largest tilt (rad): 40 deg, or 0.5 deg less than the reach if that is smaller."""
     return share * min(math.radians(40), neck.reach - math.radians(0.5))
@@ -46,7 +40,7 @@ def reachable(neck: Neck, share: float) -> float:
 @pytest.mark.no_cover
 @given(necks, st.floats(-40, 40), shares, directions)
 def test_inverse_closes_all_three_loops(neck: Neck, yaw: float, share: float, direction: float) -> None:
-    pitch, roll = pose(reachable(neck, share), direction)
+    pitch, roll = leaning(reachable(neck, share), direction)
     arms = neck.inverse(yaw, pitch, roll)
     geometry = neck.geometry
     alpha1, alpha2, beta = (
@@ -70,7 +64,7 @@ def test_inverse_closes_all_three_loops(neck: Neck, yaw: float, share: float, di
 @pytest.mark.no_cover
 @given(necks, st.floats(-40, 40), shares, directions)
 def test_forward_undoes_inverse(neck: Neck, yaw: float, share: float, direction: float) -> None:
-    pitch, roll = pose(reachable(neck, share), direction)
+    pitch, roll = leaning(reachable(neck, share), direction)
     assert neck.forward(neck.inverse(yaw, pitch, roll)) == pytest.approx((yaw, pitch, roll), abs=1e-9)
 
 
@@ -121,7 +115,7 @@ def test_forward_finds_the_home_assembly_or_refuses(neck: Neck, arms: Arms) -> N
 @pytest.mark.no_cover
 @given(necks, shares, directions, directions)
 def test_rotation_agrees_with_the_angles(neck: Neck, share: float, direction: float, yaw: float) -> None:
-    arms = neck.inverse(yaw, *pose(reachable(neck, share), direction))
+    arms = neck.inverse(yaw, *leaning(reachable(neck, share), direction))
     for row, expected in zip(neck.rotation(arms), rotation_of(*neck.forward(arms)), strict=True):
         assert row == pytest.approx(expected, abs=1e-9)
 
@@ -129,7 +123,7 @@ def test_rotation_agrees_with_the_angles(neck: Neck, share: float, direction: fl
 @pytest.mark.no_cover
 @given(necks, shares, directions)
 def test_derivatives_agree_with_differences(neck: Neck, share: float, direction: float) -> None:
-    arms = neck.inverse(0.3, *pose(reachable(neck, 0.9 * share), direction))
+    arms = neck.inverse(0.3, *leaning(reachable(neck, 0.9 * share), direction))
     head = neck.head(arms)
     assert sum(head.yaw_by_arm) == pytest.approx(1)
     assert sum(head.up_by_arm) == pytest.approx(0, abs=1e-9)

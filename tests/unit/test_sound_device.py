@@ -217,24 +217,7 @@ def test_blocks_that_nobody_takes_are_dropped_and_counted(listening: Listening) 
 def test_without_sounddevice_the_refusal_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "sounddevice", None)
     with pytest.raises(
-        WrongUsage, match=r'--microphones \'USB\': .*pip install "\.\[sound\]".*`tone` is a test tone'
+        WrongUsage,
+        match=r'--microphones \'USB\': .*"\.\[sound\]".*apt install libportaudio2.*`tone` is a test tone',
     ):
-        choose("USB")
-
-
-def test_without_portaudio_the_refusal_names_the_package_of_the_system(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    class Missing:
-        """Finds a `sounddevice` that fails as it does without its system library."""
-
-        @staticmethod
-        def find_spec(name: str, *_: object) -> None:
-            if name == "sounddevice":
-                raise OSError("PortAudio library not found")
-
-    monkeypatch.delitem(sys.modules, "sounddevice", raising=False)
-    monkeypatch.setattr(sys, "meta_path", [Missing, *sys.meta_path])
-    monkeypatch.setattr(sys, "platform", "linux")
-    with pytest.raises(WrongUsage, match="sudo apt install libportaudio2"):
         choose("USB")
