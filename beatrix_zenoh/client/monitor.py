@@ -231,7 +231,7 @@ class Monitor(ProcessBound):
             query = bus.query(key, None, codec.MSGPACK, timeout_s=ASK_S)
             query.hand_over(lambda answer, key=key: self._on_answer(key, answer))  # type: ignore[misc]
             self._undeclare.append(query.close)
-        self._forget = client.at_close(self.close)
+        client.at_close(self)
 
     # -- Zenoh's thread: store, nothing else --------------------------------------------------------
 
@@ -307,7 +307,6 @@ class Monitor(ProcessBound):
 
     def close(self) -> None:
         """End the subscriptions. May be called twice."""
-        self._forget()
         while self._undeclare:
             self._undeclare.pop()()
 

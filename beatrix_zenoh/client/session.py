@@ -13,7 +13,8 @@ import queue
 import threading
 import time
 from collections.abc import Callable, Collection
-from typing import Self, TypeVar
+from typing import Protocol, Self, TypeVar
+from weakref import WeakSet
 
 import msgspec
 
@@ -34,6 +35,13 @@ REPORT = 200
 """Largest number of characters of such an error: any client can cause it."""
 SENDERS = 1000
 """Largest number of reported senders; further senders are not reported."""
+
+
+class Closable(Protocol):
+    """A part of a session."""
+
+    def close(self) -> None:
+        """End the subscriptions; may be called twice."""
 
 
 class Reporter:
@@ -79,7 +87,7 @@ class Client(ProcessBound):
         """The thread for the user's callbacks; it starts with the first callback."""
         self._lock = threading.Lock()
         self._closed = False
-        self._closing: dict[object, Callable[[], None]] = {}
+        self._parts: WeakSet[Closable] = WeakSet()
         self._media: Bus | None = None
         self.bus.watch_router(self._on_router)
         self._description = keys.program(settings.who, self.bus.session_id)
@@ -139,23 +147,12 @@ class Client(ProcessBound):
         """Log an error of a reply or publication once for each sender."""
         self._reporter.report(answer.sender, answer.key, what)
 
-    def at_close(self, do: Callable[[], None]) -> Callable[[], None]:
-        """Call `do` before the session is closed; returns a function that cancels this.
-
-        Raises:
-            WrongUsage: SHUTDOWN, the client was closed.
-        """
-        number = object()
+    def at_close(self, part: Closable) -> None:
+        """Close this part before the session, if it still exists then; raises WrongUsage (SHUTDOWN) if it is closed."""
         with self._lock:
             if self._closed:
                 raise WrongUsage(Reason.SHUTDOWN, CLOSED)
-            self._closing[number] = do
-
-        def forget() -> None:
-            with self._lock:
-                self._closing.pop(number, None)
-
-        return forget
+            self._parts.add(part)
 
     def close(self) -> None:
         """Close the session; robots stop its running motions. May be called twice. Does nothing in a forked child."""
@@ -163,9 +160,9 @@ class Client(ProcessBound):
             return
         with self._lock:
             self._closed = True
-            closing, self._closing = list(self._closing.values()), {}
-        for do in reversed(closing):
-            do()  # without the lock, because it may cancel its entry
+            parts = list(self._parts)
+        for part in parts:
+            part.close()
         self.bus.close()
         with self._lock:  # `media` may be opening its session
             media = self._media

@@ -156,7 +156,7 @@ class Subscription(ProcessBound, Suggesting, Generic[T]):
         self._newest: Sample | None = None
         self._latest: tuple[Sample, Arrival[T] | None] | None = None
         self._undeclare = (client.bus if bus is None else bus).subscribe(key, self._receive)
-        self._forget = client.at_close(self.close)
+        client.at_close(self)
 
     def _receive(self, received: Received) -> None:
         """Enqueue a publication."""
@@ -271,7 +271,6 @@ class Subscription(ProcessBound, Suggesting, Generic[T]):
 
     def close(self) -> None:
         """End the subscription; a thread that waits for a publication returns. May be called twice."""
-        self._forget()
         self._undeclare()
         self._closed = True
         self._wakeup.set()

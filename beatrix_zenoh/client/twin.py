@@ -15,7 +15,7 @@ from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.stopping import stop_robots
 from beatrix_zenoh.client.twin_motion import REPLACED, TwinMotion
-from beatrix_zenoh.client.twin_state import PlanPosition, check_may_move, check_may_switch, plan_position
+from beatrix_zenoh.client.twin_state import PlanPosition, check_seat, plan_position
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer, Refused, naming
 from beatrix_zenoh.settings import resolve
@@ -70,7 +70,7 @@ class Twin(ProcessBound, Movable[TwinMotion, Plan]):
     def _switch_both(self, do: Callable[[Robot], None]) -> None:
         """Send a command to both robots, or to neither if this seat may not switch one of them."""
         for robot in (self.sim, self.hw):
-            check_may_switch(robot)
+            check_seat(robot, moves=False)
         each((self.sim, self.hw), do)
 
     def make_ready(self) -> None:
@@ -125,7 +125,7 @@ class Twin(ProcessBound, Movable[TwinMotion, Plan]):
         plan = Plan(self, query, reply, start, alike=start[1] is None or self._alike(), during=during)
         if start[1] is not None:
             try:
-                check_may_move(self.hw)
+                check_seat(self.hw, moves=True)
             except BeatrixError as error:
                 why = error.message.removeprefix(f"{self.hw}: ")
                 plan.verdict += f" But the hardware may not move now: {why}"
@@ -182,7 +182,7 @@ class Twin(ProcessBound, Movable[TwinMotion, Plan]):
             NoAnswer: one robot is not online, or has lost its board.
         """
         for robot in (self.sim, self.hw):
-            check_may_move(robot)
+            check_seat(robot, moves=True)
 
     def close(self) -> None:
         """Close the session: the robots stop running motions, and a motion in its lead is not sent to the hardware.

@@ -45,11 +45,10 @@ class FakeClient:
     """The parts of a client that subscriptions need."""
 
     def __init__(self) -> None:
-        self.bus, self.closing, self.reads = FakeBus(), list[Callable[[], None]](), 0
+        self.bus, self.reads = FakeBus(), 0
 
-    def at_close(self, do: Callable[[], None]) -> Callable[[], None]:
-        self.closing.append(do)
-        return lambda: None
+    def at_close(self, part: object) -> None:
+        pass
 
     def read(self, answer: Reply, kind: type[M]) -> M | None:
         self.reads += 1
