@@ -13,7 +13,7 @@ import queue
 import threading
 import time
 from collections.abc import Callable, Collection
-from typing import Protocol, Self, TypeVar
+from typing import Self, TypeVar
 from weakref import WeakSet
 
 import msgspec
@@ -37,11 +37,18 @@ SENDERS = 1000
 """Largest number of reported senders; further senders are not reported."""
 
 
-class Closable(Protocol):
-    """A part of a session."""
+class Closable:
+    """What the end of its `with` block closes."""
 
     def close(self) -> None:
-        """End the subscriptions; may be called twice."""
+        """Close it; may be called twice."""
+        raise NotImplementedError
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.close()
 
 
 class Reporter:
@@ -63,7 +70,7 @@ class Reporter:
         LOG.warning("%s: %s", printable.line(source), printable.line(what, REPORT))
 
 
-class Client(ProcessBound):
+class Client(ProcessBound, Closable):
     """One Zenoh session under one seat; robots of this process share it.
 
     A liveliness token announces the seat, so that a robot notices the end of the session and stops its motion. Raises
@@ -169,12 +176,6 @@ class Client(ProcessBound):
         if media is not None:
             media.close()
         self.dispatcher.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *exc: object) -> None:
-        self.close()
 
 
 class Dispatcher:

@@ -8,12 +8,12 @@ import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Generic, NamedTuple, Self, TypeVar
+from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
 import msgspec
 
 from beatrix_zenoh.bus import Bus, ProcessBound, Received, Reply
-from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.session import Client, Closable
 from beatrix_zenoh.client.slips import Suggesting
 from beatrix_zenoh.contract import codec, names
 from beatrix_zenoh.contract._generated import keys
@@ -110,7 +110,7 @@ def message(kind: type[M], convert: Callable[[M], T]) -> Reader[T]:
     return read
 
 
-class Subscription(ProcessBound, Suggesting, Generic[T]):
+class Subscription(ProcessBound, Closable, Suggesting, Generic[T]):
     """Publications of one key: iterate over them, call `next`, or read `latest`.
 
         with robot.stream() as readings:
@@ -274,12 +274,6 @@ class Subscription(ProcessBound, Suggesting, Generic[T]):
         self._undeclare()
         self._closed = True
         self._wakeup.set()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *exc: object) -> None:
-        self.close()
 
 
 def same(value: T) -> T:
