@@ -15,7 +15,7 @@ from beatrix_zenoh.client.lease import govern, of_seat, pending
 from beatrix_zenoh.client.request import title
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client, Place
-from beatrix_zenoh.client.twin_state import check_may_switch
+from beatrix_zenoh.client.twin_state import check_seat
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import (
     Command,
@@ -95,7 +95,7 @@ def command(
         robots = targets.robots()
         if len(robots) > 1 and value and what is not Command.RESET:
             for robot in robots:
-                check_may_switch(robot)
+                check_seat(robot, moves=False)
         ask_each(robots, lambda robot: robot.command(what, value=value), as_json=as_json)
 
 

@@ -17,7 +17,7 @@ from msgspec.structs import replace
 from beatrix_zenoh.client import motion_file
 from beatrix_zenoh.client.degrees import HeadAngles, checked_seconds, motion_query, pose_query
 from beatrix_zenoh.client.motion import Motion
-from beatrix_zenoh.client.motion_file import FORM, SPEED, MotionFile, Place, WrongLine
+from beatrix_zenoh.client.motion_file import FORM, SPEED, MotionFile, WrongLine
 from beatrix_zenoh.client.plan import Plan
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.stopping import StopEvents
@@ -141,15 +141,12 @@ def choreography(read: MotionFile) -> Choreography:
         )
     for point in read.points:
         speed, title = point.speed or speed, point.figure or title
-        steps.append((title, step(point.t, point.place, speed)))
+        at, place = point.t, point.place
+        if isinstance(place, HeadAngles):
+            steps.append((title, Pose(at, *place, speed)))
+        else:
+            steps.append((title, ArmPose(at, *place, speed)))
     return Choreography(steps, read.source, tuple(point.line for point in read.points))
-
-
-def step(at: float, place: Place, speed: float) -> Step:
-    """Return the step at a time (s) to a place (deg) with a speed (deg/s)."""
-    if isinstance(place, HeadAngles):
-        return Pose(at, *place, speed)
-    return ArmPose(at, *place, speed)
 
 
 def checked_speed(speed: float) -> float:

@@ -7,15 +7,13 @@ import math
 import time
 from collections.abc import Callable, Collection, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from types import TracebackType
-from typing import Self
 
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.degrees import checked_number
 from beatrix_zenoh.client.request import GroupRequest, Request, accepted, outcome
 from beatrix_zenoh.client.request import ask as ask_robot
 from beatrix_zenoh.client.robot_base import RobotBase
-from beatrix_zenoh.client.session import Client, Place
+from beatrix_zenoh.client.session import Client, Closable, Place
 from beatrix_zenoh.client.subscription import SILENCE_S
 from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated import keys
@@ -36,7 +34,7 @@ NO_REPLY = (
 )
 
 
-class Lease(ProcessBound):
+class Lease(ProcessBound, Closable):
     """A robot that this program has taken: `with robot.lease(): …`.
 
     Motions carry the number of the lease, so that the robot refuses those of a lease that has ended.
@@ -70,14 +68,6 @@ class Lease(ProcessBound):
         if self._robot.lease_number == self.number and not self._given:
             self._robot.lease_number = 0
             ask(self._robot, LeaseAction.GIVE_BACK)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
 
 def take(robot: RobotBase, wait_s: float, query: LeaseQuery, told: Callable[[Status | None], None]) -> int:

@@ -8,7 +8,7 @@ import time
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Final, NamedTuple, Self
+from typing import TYPE_CHECKING, Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +17,7 @@ from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.degrees import Kinematics, RobotInfo, arm_angles, head_angles
 from beatrix_zenoh.client.figures import time_figure
 from beatrix_zenoh.client.request import title
-from beatrix_zenoh.client.session import Client, Place
+from beatrix_zenoh.client.session import Client, Closable, Place
 from beatrix_zenoh.client.slips import Suggesting
 from beatrix_zenoh.client.subscription import SILENCE_S, Arrival, Subscription, events, message, same
 from beatrix_zenoh.colours import ARMS, AXES
@@ -52,7 +52,7 @@ class Gap(NamedTuple):
         return f"{self.t:.2f} s: {self.seconds:.2f} s without positions, {self.cause}"
 
 
-class Log(ProcessBound, Suggesting):
+class Log(ProcessBound, Closable, Suggesting):
     """Positions (deg, deg/s) and events of a robot since the log began; the arrays exist when it has ended.
 
     `t` is the time (s) since the first position by the robot's clock. The commanded angles of the head are computed
@@ -178,12 +178,6 @@ class Log(ProcessBound, Suggesting):
             return f"<log of {self._robot}: still open>"
         text = f"{self.t[-1]:.2f} s, {len(self.t)} positions, {len(self.events)} events"
         return f"<log of {self._robot}: {text}{''.join(f'; gap at {gap}' for gap in self.gaps[:3])}>"
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *exc: object) -> None:
-        self.close()
 
 
 COLUMNS: Final = [name for name, kind in Log.__annotations__.items() if kind == "Series"]

@@ -9,14 +9,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
-from typing import Generic, NamedTuple, Self, TypeVar
+from typing import Generic, NamedTuple, TypeVar
 
 import msgspec
 
 from beatrix_zenoh.bus import ProcessBound, Received, Reply
 from beatrix_zenoh.client.degrees import Reading, reading
 from beatrix_zenoh.client.request import matching_robot
-from beatrix_zenoh.client.session import Client, Place
+from beatrix_zenoh.client.session import Client, Closable, Place
 from beatrix_zenoh.client.subscription import Wakeup
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
@@ -183,7 +183,7 @@ class RobotRecord:
         return Presence.LOST if age_s > LOST_S else Presence.ONLINE
 
 
-class Monitor(ProcessBound):
+class Monitor(ProcessBound, Closable):
     """All robots of a router, live; read their states with `robots` and `robot`.
 
         with Robot("bea1") as robot, Monitor(robot.client) as monitor:
@@ -231,7 +231,7 @@ class Monitor(ProcessBound):
             query = bus.query(key, None, codec.MSGPACK, timeout_s=ASK_S)
             query.hand_over(lambda answer, key=key: self._on_answer(key, answer))  # type: ignore[misc]
             self._undeclare.append(query.close)
-        self._forget = client.at_close(self.close)
+        client.at_close(self)
 
     # -- Zenoh's thread: store, nothing else --------------------------------------------------------
 
@@ -307,15 +307,8 @@ class Monitor(ProcessBound):
 
     def close(self) -> None:
         """End the subscriptions. May be called twice."""
-        self._forget()
         while self._undeclare:
             self._undeclare.pop()()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *exc: object) -> None:
-        self.close()
 
 
 class Seats:

@@ -186,17 +186,10 @@ def number_of(name: str, text: str) -> float:
 
 
 def lines_of(places: Iterable[tuple[float, Place]], comments: Sequence[str] = ()) -> Iterable[str]:
-    """Yield the lines of a path, with line feeds: times in s; places in deg, all of the head or all of the arms."""
+    """Yield the lines of a path, with line feeds: times to 1 ms; places to 0.001 deg, all of the head or of the arms."""
     for comment in comments:
         yield f"# {comment}\n"
-    first = True
-    for t, place in places:
-        if first:
+    for number, (t, place) in enumerate(places):
+        if number == 0:
             yield ",".join((TIME, *(HEAD if isinstance(place, HeadAngles) else ARMS))) + "\n"
-            first = False
-        yield line_of(t, place)
-
-
-def line_of(t: float, place: Place) -> str:
-    """Return the line of one point, rounded to 1 ms and 0.001 deg."""
-    return ",".join(f"{value:z.3f}" for value in (t, *place)) + "\n"
+        yield ",".join(f"{value:z.3f}" for value in (t, *place)) + "\n"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.degrees import checked_seconds, path_figure, preview_of, true_or_false
@@ -14,7 +14,6 @@ from beatrix_zenoh.contract.errors import BeatrixError, Refused
 
 if TYPE_CHECKING:
     from beatrix_zenoh.client.figures import Figure
-    from beatrix_zenoh.client.twin import Twin
 
 SAME_DEG = 0.1
 """Largest distance of two positions that count as equal; a microstep is 0.086 deg."""
@@ -28,12 +27,26 @@ Start = tuple[PlanPosition, PlanPosition | None]
 """Positions of simulation and hardware at the preview; None: no hardware was online."""
 
 
+class RobotPair(Protocol):
+    """What a plan needs of a `Twin`."""
+
+    sim: Robot
+    hw: Robot
+    name: str
+
+    def check_ready(self) -> None:
+        """Raise an error if a robot cannot move now."""
+
+    def start(self, motion: TwinMotion, *, wait: bool) -> None:
+        """Begin a motion of both robots."""
+
+
 class Plan(ProcessBound):
     """A previewed motion, to be committed or aborted."""
 
     def __init__(
         self,
-        twin: Twin,
+        twin: RobotPair,
         query: MotionQuery | PoseQuery,
         preview: PreviewReply,
         start: Start,

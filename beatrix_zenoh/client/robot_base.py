@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple, Self
+from typing import TYPE_CHECKING, NamedTuple
 
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client import subscription
@@ -19,7 +19,7 @@ from beatrix_zenoh.client.degrees import (
     robot_info,
 )
 from beatrix_zenoh.client.request import A, M, accepted, ask
-from beatrix_zenoh.client.session import Client, Place, chosen_name
+from beatrix_zenoh.client.session import Client, Closable, Place, chosen_name
 from beatrix_zenoh.client.slips import Suggesting
 from beatrix_zenoh.client.subscription import FIRST_PICTURE_S, SILENCE_S, CameraImage, Subscription, message
 from beatrix_zenoh.contract import codec, names
@@ -66,7 +66,7 @@ class RobotStatus(Status, frozen=True, kw_only=True):
 codec.prepare(RobotStatus)
 
 
-class RobotBase(ProcessBound, Suggesting):
+class RobotBase(ProcessBound, Closable, Suggesting):
     """The readable part of a robot; `Robot` adds commands and motions."""
 
     def __init__(
@@ -187,12 +187,6 @@ class RobotBase(ProcessBound, Suggesting):
         """Close the session, so that the robot stops a running motion of this object; a shared session stays open."""
         if not self._shared:
             self.client.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *exc: object) -> None:
-        self.close()
 
 
 class RobotWithRoom(RobotBase):

@@ -14,6 +14,7 @@ import threading
 import time
 from collections.abc import Callable, Collection
 from typing import Self, TypeVar
+from weakref import WeakSet
 
 import msgspec
 
@@ -36,6 +37,20 @@ SENDERS = 1000
 """Largest number of reported senders; further senders are not reported."""
 
 
+class Closable:
+    """What the end of its `with` block closes."""
+
+    def close(self) -> None:
+        """Close it; may be called twice."""
+        raise NotImplementedError
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exc: object) -> None:
+        self.close()
+
+
 class Reporter:
     """Logs errors of messages once for each sender, or for each robot in their keys if the sender is unknown."""
 
@@ -55,7 +70,7 @@ class Reporter:
         LOG.warning("%s: %s", printable.line(source), printable.line(what, REPORT))
 
 
-class Client(ProcessBound):
+class Client(ProcessBound, Closable):
     """One Zenoh session under one seat; robots of this process share it.
 
     A liveliness token announces the seat, so that a robot notices the end of the session and stops its motion. Raises
@@ -79,7 +94,7 @@ class Client(ProcessBound):
         """The thread for the user's callbacks; it starts with the first callback."""
         self._lock = threading.Lock()
         self._closed = False
-        self._closing: dict[object, Callable[[], None]] = {}
+        self._parts: WeakSet[Closable] = WeakSet()
         self._media: Bus | None = None
         self.bus.watch_router(self._on_router)
         self._description = keys.program(settings.who, self.bus.session_id)
@@ -139,23 +154,12 @@ class Client(ProcessBound):
         """Log an error of a reply or publication once for each sender."""
         self._reporter.report(answer.sender, answer.key, what)
 
-    def at_close(self, do: Callable[[], None]) -> Callable[[], None]:
-        """Call `do` before the session is closed; returns a function that cancels this.
-
-        Raises:
-            WrongUsage: SHUTDOWN, the client was closed.
-        """
-        number = object()
+    def at_close(self, part: Closable) -> None:
+        """Close this part before the session, if it still exists then; raises WrongUsage (SHUTDOWN) if it is closed."""
         with self._lock:
             if self._closed:
                 raise WrongUsage(Reason.SHUTDOWN, CLOSED)
-            self._closing[number] = do
-
-        def forget() -> None:
-            with self._lock:
-                self._closing.pop(number, None)
-
-        return forget
+            self._parts.add(part)
 
     def close(self) -> None:
         """Close the session; robots stop its running motions. May be called twice. Does nothing in a forked child."""
@@ -163,21 +167,15 @@ class Client(ProcessBound):
             return
         with self._lock:
             self._closed = True
-            closing, self._closing = list(self._closing.values()), {}
-        for do in reversed(closing):
-            do()  # without the lock, because it may cancel its entry
+            parts = list(self._parts)
+        for part in parts:
+            part.close()
         self.bus.close()
         with self._lock:  # `media` may be opening its session
             media = self._media
         if media is not None:
             media.close()
         self.dispatcher.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *exc: object) -> None:
-        self.close()
 
 
 class Dispatcher:

@@ -8,12 +8,12 @@ import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Generic, NamedTuple, Self, TypeVar
+from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
 
 import msgspec
 
 from beatrix_zenoh.bus import Bus, ProcessBound, Received, Reply
-from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.session import Client, Closable
 from beatrix_zenoh.client.slips import Suggesting
 from beatrix_zenoh.contract import codec, names
 from beatrix_zenoh.contract._generated import keys
@@ -110,7 +110,7 @@ def message(kind: type[M], convert: Callable[[M], T]) -> Reader[T]:
     return read
 
 
-class Subscription(ProcessBound, Suggesting, Generic[T]):
+class Subscription(ProcessBound, Closable, Suggesting, Generic[T]):
     """Publications of one key: iterate over them, call `next`, or read `latest`.
 
         with robot.stream() as readings:
@@ -156,7 +156,7 @@ class Subscription(ProcessBound, Suggesting, Generic[T]):
         self._newest: Sample | None = None
         self._latest: tuple[Sample, Arrival[T] | None] | None = None
         self._undeclare = (client.bus if bus is None else bus).subscribe(key, self._receive)
-        self._forget = client.at_close(self.close)
+        client.at_close(self)
 
     def _receive(self, received: Received) -> None:
         """Enqueue a publication."""
@@ -271,16 +271,9 @@ class Subscription(ProcessBound, Suggesting, Generic[T]):
 
     def close(self) -> None:
         """End the subscription; a thread that waits for a publication returns. May be called twice."""
-        self._forget()
         self._undeclare()
         self._closed = True
         self._wakeup.set()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *exc: object) -> None:
-        self.close()
 
 
 def same(value: T) -> T:

@@ -5,20 +5,19 @@ from __future__ import annotations
 import contextlib
 import threading
 from collections.abc import Callable, Iterable
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.degrees import Reading, Speed, motion_query
 from beatrix_zenoh.client.motion import Movable
 from beatrix_zenoh.client.plan import SAME_DEG, Plan, Start, distance, unlike
 from beatrix_zenoh.client.robot import Robot
-from beatrix_zenoh.client.session import Client
+from beatrix_zenoh.client.session import Client, Closable
 from beatrix_zenoh.client.stopping import stop_robots
 from beatrix_zenoh.client.twin_motion import REPLACED, TwinMotion
-from beatrix_zenoh.client.twin_state import PlanPosition, check_may_move, check_may_switch, plan_position
+from beatrix_zenoh.client.twin_state import PlanPosition, check_seat, plan_position
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer, Refused, naming
-from beatrix_zenoh.settings import resolve
 
 CLOSE_S = 2.0
 
@@ -30,7 +29,7 @@ class TwinReading(NamedTuple):
     hw: Reading
 
 
-class Twin(ProcessBound, Movable[TwinMotion, Plan]):
+class Twin(ProcessBound, Closable, Movable[TwinMotion, Plan]):
     """Simulation and hardware of one name; see `Robot` for the arguments.
 
     `preview` tries a motion and returns a plan to commit. `look` and `move` send a motion to both robots without a
@@ -48,15 +47,8 @@ class Twin(ProcessBound, Movable[TwinMotion, Plan]):
         timeout_s: float = 2.0,
         client: Client | None = None,
     ) -> None:
-        self._shared = client is not None
-        self.client = Client(resolve(name, connect, who)) if client is None else client
-        try:
-            self.sim = Robot(name, "sim", timeout_s=timeout_s, client=self.client)
-        except BeatrixError:
-            if client is None:
-                self.client.close()
-            raise
-        self.name = self.sim.name
+        self.sim = Robot(name, "sim", connect=connect, who=who, timeout_s=timeout_s, client=client)
+        self.client, self.name = self.sim.client, self.sim.name
         self.hw = Robot(self.name, "hw", timeout_s=timeout_s, client=self.client)
         self._starting = threading.RLock()
         self._motion: TwinMotion | None = None
@@ -70,7 +62,7 @@ class Twin(ProcessBound, Movable[TwinMotion, Plan]):
     def _switch_both(self, do: Callable[[Robot], None]) -> None:
         """Send a command to both robots, or to neither if this seat may not switch one of them."""
         for robot in (self.sim, self.hw):
-            check_may_switch(robot)
+            check_seat(robot, moves=False)
         each((self.sim, self.hw), do)
 
     def make_ready(self) -> None:
@@ -125,7 +117,7 @@ class Twin(ProcessBound, Movable[TwinMotion, Plan]):
         plan = Plan(self, query, reply, start, alike=start[1] is None or self._alike(), during=during)
         if start[1] is not None:
             try:
-                check_may_move(self.hw)
+                check_seat(self.hw, moves=True)
             except BeatrixError as error:
                 why = error.message.removeprefix(f"{self.hw}: ")
                 plan.verdict += f" But the hardware may not move now: {why}"
@@ -182,7 +174,7 @@ class Twin(ProcessBound, Movable[TwinMotion, Plan]):
             NoAnswer: one robot is not online, or has lost its board.
         """
         for robot in (self.sim, self.hw):
-            check_may_move(robot)
+            check_seat(robot, moves=True)
 
     def close(self) -> None:
         """Close the session: the robots stop running motions, and a motion in its lead is not sent to the hardware.
@@ -192,8 +184,7 @@ class Twin(ProcessBound, Movable[TwinMotion, Plan]):
         motion = self._motion
         if motion is not None:
             motion.hold()
-        if not self._shared:
-            self.client.close()
+        self.sim.close()
         if motion is not None and motion.running():
             motion.end(
                 Interrupted(
@@ -202,12 +193,6 @@ class Twin(ProcessBound, Movable[TwinMotion, Plan]):
             )
             with contextlib.suppress(TimeoutError):
                 motion.exception(CLOSE_S)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *exc: object) -> None:
-        self.close()
 
 
 def each(robots: Iterable[Robot], do: Callable[[Robot], None]) -> None:

@@ -37,48 +37,30 @@ def plan_position(robot: RobotBase) -> PlanPosition:
     return PlanPosition(reading.commanded, robot.status().calibrations, reading.t)
 
 
-def check_may_move(robot: RobotBase) -> None:
-    """Raise unless this seat may move a robot; the message of `may_move` begins with the robot's name."""
-    with naming(str(robot)):
-        may_move(robot.status(), robot.client.settings.who)
-
-
-def may_move(status: Status, seat: str) -> None:
-    """Raise unless a seat may move a robot with this status; a freeze and a pause are not checked.
+def check_seat(robot: RobotBase, *, moves: bool) -> None:
+    """Raise unless this seat may switch or, with `moves`, move a robot; the message begins with the robot's name.
 
     Raises:
-        Refused: EMERGENCY, NOT_ENABLED, NOT_CALIBRATED or NOT_HOLDER.
+        BeatrixError: as `may_move`, or as `Robot.status`.
+    """
+    with naming(str(robot)):
+        may_move(robot.status(), robot.client.settings.who, moves=moves)
+
+
+def may_move(status: Status, seat: str, *, moves: bool = True) -> None:
+    """Raise unless a seat may switch or, with `moves`, move a robot with this status; freeze and pause are not checked.
+
+    Raises:
+        Refused: NOT_HOLDER, unless this seat is the teacher; with `moves` EMERGENCY, NOT_ENABLED or NOT_CALIBRATED.
         NoAnswer: BOARD_LOST or CONTRACT_MISMATCH.
     """
-    check_board(status)
-    refusals.check_ready(
-        emergency=status.fault is Fault.EMERGENCY, enabled=status.enabled, calibrated=status.calibrated
-    )
-    check_holder(status, seat)
-
-
-def check_may_switch(robot: RobotBase) -> None:
-    """Raise unless this seat may switch or calibrate a robot; the message begins with the robot's name.
-
-    Raises:
-        Refused: NOT_HOLDER.
-        NoAnswer: BOARD_LOST or CONTRACT_MISMATCH; or as `Robot.status`.
-    """
-    with naming(str(robot)):
-        status = robot.status()
-        check_board(status)
-        check_holder(status, robot.client.settings.who)
-
-
-def check_board(status: Status) -> None:
-    """Raise NoAnswer unless the robot is connected to its board."""
     if not status.board.connected:
         reason = Reason.CONTRACT_MISMATCH if status.fault is Fault.CONTRACT_MISMATCH else Reason.BOARD_LOST
         raise NoAnswer(reason, " ".join(status.warnings[:1]) or status.fault.text)
-
-
-def check_holder(status: Status, seat: str) -> None:
-    """Raise Refused if another seat holds the robot, unless this seat is the teacher."""
+    if moves:
+        refusals.check_ready(
+            emergency=status.fault is Fault.EMERGENCY, enabled=status.enabled, calibrated=status.calibrated
+        )
     if status.holder not in ("", seat) and seat != TEACHER:
         if status.lease:
             raise refusals.taken_by(status.holder)

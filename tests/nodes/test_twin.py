@@ -137,9 +137,8 @@ def test_while_another_seat_drives_one_robot_both_stay_as_they_are_and_its_motio
 def test_a_late_refusal_of_the_hardware_stops_the_simulation(
     twin: Twin, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(
-        "beatrix_zenoh.client.twin_state.may_move", lambda *_: None
-    )  # as if the robot were disabled just then
+    # As if the robot were disabled just then.
+    monkeypatch.setattr("beatrix_zenoh.client.twin_state.may_move", lambda *_, moves: None)  # noqa: ARG005
     plan = twin.preview(yaw=60)
     twin.hw.disable()
     with pytest.raises(Refused) as refusal:

@@ -179,15 +179,6 @@ def test_send_now_sends_the_motion_to_the_hardware_at_once(twin: Twin) -> None:
     assert twin.hw.positions().commanded == twin.sim.positions().commanded
 
 
-def test_a_target_that_one_robot_refuses_stops_the_other(stage: Stage, twin: Twin) -> None:
-    twin.look(yaw=60, wait=False)
-    stage.robot("bea", "hw", "ben").stop()
-    with pytest.raises((Refused, Interrupted)):
-        twin.look(yaw=70)
-    until(lambda: not twin.sim.status().moving, "the simulation rests")
-    assert twin.sim.positions().commanded.short < 60
-
-
 def test_hardware_that_is_replaced_during_the_lead_is_not_moved() -> None:
     with Stage() as stage:
         stage.node("bea", Simulation("bea"))

@@ -15,7 +15,7 @@ from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.request import Request
 from beatrix_zenoh.client.session import Dispatcher
 from beatrix_zenoh.contract._generated.messages import CommandReply, MotionReply, Phase, Reason, Vector3
-from beatrix_zenoh.contract.errors import Interrupted, NoAnswer
+from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer
 
 ORIGIN = Vector3(0.0, 0.0, 0.0)
 PATIENCE_S = 5.0
@@ -114,22 +114,22 @@ def test_a_motion_runs_until_its_final_reply(setting: Setting) -> None:
     assert setting.replies.closed
 
 
-def test_an_interrupted_motion_raises_at_each_call(setting: Setting) -> None:
-    setting.replies.send(STOPPED)
-    for _ in range(2):
-        with pytest.raises(Interrupted, match="It is STOPPED") as caught:
-            setting.motion.result()
-        assert caught.value.reason is Reason.STOPPED
-    assert isinstance(setting.motion.exception(), Interrupted)
+GONE = NoAnswer(Reason.NO_ROUTER, "The router has gone.")
 
 
-def test_the_loss_of_the_robot_is_an_exception(setting: Setting) -> None:
-    error = NoAnswer(Reason.NO_ROUTER, "The router has gone.")
-    setting.replies.send(error)
-    assert setting.motion.exception() is error
+@pytest.mark.parametrize(
+    ("end", "error", "text"), [(STOPPED, Interrupted, "It is STOPPED"), (GONE, NoAnswer, "has gone")]
+)
+def test_a_motion_without_success_raises_at_each_call(
+    setting: Setting, end: MotionReply | NoAnswer, error: type[BeatrixError], text: str
+) -> None:
+    setting.replies.send(end)
+    for wait in (setting.motion.result, setting.motion.wait):
+        with pytest.raises(error, match=text) as caught:
+            wait()
+        assert caught.value.reason is end.reason
+    assert isinstance(setting.motion.exception(), error)
     assert setting.motion.done()
-    with pytest.raises(NoAnswer, match="has gone"):
-        setting.motion.wait()
 
 
 def test_a_motion_that_is_overdue_counts_as_lost(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -199,13 +199,6 @@ def test_sentences_of_every_language_contain_the_same_numbers(language: str) -> 
         assert "{" not in text
 
 
-def test_a_decoded_detail_gives_the_sentence_of_the_original() -> None:
-    for refusal in REFUSALS:
-        if refusal.detail is not None:
-            detail = codec.decode(codec.encode(refusal.detail), Detail)
-            assert sentences.render(refusal.reason, detail) == refusal.message
-
-
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_sentences_are_those_of_the_golden_file(language: str) -> None:
     count: Counter[str] = Counter()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import threading
 from collections.abc import Callable
+from functools import partial
 from types import FrameType
 from typing import TypeVar, cast
 
@@ -45,11 +46,10 @@ class FakeClient:
     """The parts of a client that subscriptions need."""
 
     def __init__(self) -> None:
-        self.bus, self.closing, self.reads = FakeBus(), list[Callable[[], None]](), 0
+        self.bus, self.reads = FakeBus(), 0
 
-    def at_close(self, do: Callable[[], None]) -> Callable[[], None]:
-        self.closing.append(do)
-        return lambda: None
+    def at_close(self, part: object) -> None:
+        pass
 
     def read(self, answer: Reply, kind: type[M]) -> M | None:
         self.reads += 1
@@ -172,15 +172,18 @@ def interrupted(read: Callable[[], object], nth: int) -> bool:
 
 
 def test_an_interrupted_reader_does_not_block_the_next_publication(client: FakeClient) -> None:
+    kept = []  # nothing is deleted during a call that is interrupted
     for nth in range(1, CALLS):
-        with subscribed(client) as inbox:
+        kept.append(subscribed(client))
+        with kept[-1] as stream:
             client.bus.publish(status("1"))
-            was_interrupted = interrupted(lambda inbox=inbox: (inbox.take(), inbox.take(0.001)), nth)  # type: ignore[misc]
+            read = partial(stream.take, 0.001)
+            was_interrupted = interrupted(read, nth)
             publisher = threading.Thread(target=client.bus.publish, args=(status("2"),), daemon=True)
             publisher.start()
             publisher.join(timeout=10.0)
             assert not publisher.is_alive(), f"interrupted at call {nth}"
-            assert inbox.take(1.0)[-1] == "2"
+            assert stream.take(1.0)[-1] == "2"
         if not was_interrupted:
             assert nth > 10, "nothing was interrupted"
             return
