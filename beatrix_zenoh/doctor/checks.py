@@ -59,11 +59,8 @@ def network(settings: Settings, name: str | None = None) -> Iterator[CheckResult
     try:
         client = Client(settings)
     except NoAnswer as error:
-        if error.reason is Reason.ACCOUNT_REFUSED:
-            yield CheckResult("router", "accepts connections")
-            yield CheckResult("account", "not accepted", error.message)
-        else:
-            yield CheckResult("router", "does not answer", error.message)
+        what = "account" if error.reason is Reason.ACCOUNT_REFUSED else "router"
+        yield CheckResult(what, "is refused" if what == "account" else "does not answer", error.message)
         return
     with client:
         yield CheckResult("router", "answers")
@@ -136,26 +133,19 @@ def one_robot(client: Client, listed_robot: ListedRobot, hz: float, nodes: int) 
 
 def rate(name: str, hz: float) -> CheckResult:
     """Return a finding about the rate of positions (Hz)."""
-    text = f"{hz:.0f} positions a second of {keys.POSITIONS_HZ}"
-    if hz < SLOW * keys.POSITIONS_HZ:
-        return CheckResult(
-            name,
-            text,
-            advice="end other programs on its computer and on this one, or use a cable instead of Wi-Fi",
-        )
-    return CheckResult(name, text)
+    slow = "end other programs on its computer and on this one, or use a cable instead of Wi-Fi"
+    advice = slow if hz < SLOW * keys.POSITIONS_HZ else ""
+    return CheckResult(name, f"{hz:.0f} positions a second of {keys.POSITIONS_HZ}", advice=advice)
 
 
 def contract(title: str, info: Info) -> CheckResult:
     """Return a finding about whether the robot has the same messages and keys as this computer."""
-    if info.contract == CONTRACT:
-        return CheckResult(
-            title, f"version {info.version}, same messages ({CONTRACT}), firmware {info.firmware or 'none'}"
-        )
+    same = info.contract == CONTRACT
     return CheckResult(
         title,
-        f"version {info.version} has contract {info.contract}, this computer has {CONTRACT}",
-        "install the same version of beatrix-zenoh on both",
+        f"version {info.version}, {'same messages' if same else 'other messages'} ({info.contract}), firmware "
+        f"{info.firmware or 'none'}",
+        "" if same else "install the same version of beatrix-zenoh on both",
     )
 
 
@@ -193,6 +183,5 @@ def clock(robot: Robot) -> CheckResult:
         return CheckResult(str(robot), "clock offset unknown", error.message)
     ahead = "ahead" if offset > 0 else "behind"
     text = f"its clock is {abs(offset) * 1e3:.2f} ms {ahead} (+- {bound * 1e3:.2f} ms)"
-    if abs(offset) > OFFSET_S + bound:
-        return CheckResult(str(robot), text, advice="to compare times, set both clocks (NTP)")
-    return CheckResult(str(robot), text)
+    far = abs(offset) > OFFSET_S + bound
+    return CheckResult(str(robot), text, advice="to compare times, set both clocks (NTP)" if far else "")
