@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
@@ -98,9 +97,8 @@ def robots(client: Client, name: str | None) -> Iterator[CheckResult]:
             return
         time.sleep(max(0.0, began_s + RATE_S - time.monotonic()))
         rates = {robot.place: monitor.robot(*robot.place).hz for robot in found}
-    nodes = Counter(client.bus.claims())
     for robot in found:
-        yield from one_robot(client, robot, rates[robot.place], nodes[robot.place])
+        yield from one_robot(client, robot, rates[robot.place])
     yield from unlike_sides({robot.place: robot.info for robot in found if robot.info is not None})
 
 
@@ -110,16 +108,14 @@ def missing(name: str, others: list[str]) -> CheckResult:
     return CheckResult(name, found, "look at the output of its node, or start it: beatrix sim or beatrix hw")
 
 
-def one_robot(client: Client, listed_robot: ListedRobot, hz: float, nodes: int) -> Iterator[CheckResult]:
-    """Yield findings about a robot; `hz` is its rate of positions, `nodes` the number of nodes that serve it."""
+def one_robot(client: Client, listed_robot: ListedRobot, hz: float) -> Iterator[CheckResult]:
+    """Yield findings about a robot; `hz` is its rate of positions."""
     name, robot = str(listed_robot), Robot(*listed_robot.place, client=client)
     try:
         status = robot.status()
     except BeatrixError as error:
         yield CheckResult(name, "online, but does not answer", error.message)
         return
-    if nodes > 1:
-        yield CheckResult(name, f"{nodes} nodes serve it, and all execute its commands", "end all but one")
     text, well = " ".join(problems(status)), status.fault is Fault.NONE
     yield CheckResult(
         name, f"answers, {state(status)}", todo="" if well else text, advice=text if well else ""
