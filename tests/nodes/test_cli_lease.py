@@ -96,12 +96,13 @@ def test_a_robot_that_freeze_did_not_reach_is_named_and_shown_as_not_frozen() ->
         assert "bea2 (hw): The robot did not answer within 2 s, so its state is not known" in done.stderr
         assert "Not done, or not online: bea2 (hw)." in done.stderr
         hung.close()
-        for order in (("mute", "cem"), ("limit", "20")):
+        orders: tuple[tuple[str, ...], ...] = ("freeze",), ("mute", "cem"), ("limit", "20")
+        for order in orders[1:]:
             shell.good(*order, "--who", "teacher")
         stage.node("bea2")  # the node returns without all this
         assert len(waiting) == 1
         line = "differ: bea1 (hw) frozen, at most 20°/s, cem muted, bea2 (hw) none."
         assert line in shell.good("top", "--once")
-        for order in (("freeze",), ("mute", "cem"), ("limit", "20")):
+        for order in orders:
             shell.good(*order, "--who", "teacher")
         assert "differ" not in shell.good("top", "--once")
