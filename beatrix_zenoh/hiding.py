@@ -18,13 +18,13 @@ OURS = ("beatrix_zenoh", "sim_node", "hw_node", "gui")
 def hidden(names: Iterable[str], first: Sequence[str], later: Sequence[str]) -> dict[str, str]:
     """Return the modules of these names that a file in the folders `first` hides from `later`, each with the file.
 
-    A second copy of a package may be there on purpose, so a folder that contains a file of the package does not hide it,
-    nor does one that is part of a copy of BEATRIX. Frozen modules cannot be hidden.
+    A second copy of a package may be there on purpose, so a package does not hide one, nor does one that is part of a
+    copy of BEATRIX. Frozen modules cannot be hidden.
     """
     found = {}
     for name in names:
         mine = next(_files(name, first), "")
-        others = [file for file in _files(name, later) if file != mine]
+        others = _others(name, mine, later)
         if mine and others and not _is_copy(name, mine, others) and FrozenImporter.find_spec(name) is None:
             found[name] = mine
     return found
@@ -35,16 +35,7 @@ def _is_copy(name: str, mine: str, others: Sequence[str]) -> bool:
         return False
     if name in OURS and _is_package(mine):
         return os.path.isdir(os.path.join(os.path.dirname(mine), os.pardir, OURS[0]))
-    packages = [file for file in others if _is_package(file)]
-    return not packages or (_is_package(mine) and any(_have_common_files(mine, file) for file in packages))
-
-
-def _have_common_files(mine: str, other: str) -> bool:
-    """Return whether the folders of two packages have a file of the same name besides their first files."""
-    mine, other = os.path.dirname(mine), os.path.dirname(other)
-    return any(
-        os.path.isfile(os.path.join(mine, name)) for name in os.listdir(other) if not _is_package(name)
-    )
+    return _is_package(mine) or not any(map(_is_package, others))
 
 
 def _files(name: str, folders: Iterable[str]) -> Iterator[str]:
@@ -76,7 +67,7 @@ def texts(name: str, file: str) -> tuple[str, str]:
     what = os.path.dirname(file) if _is_package(file) else file
     return (
         f"{what} hides {whose} {name}, which BEATRIX needs",
-        f"rename it, for example to my_{os.path.basename(what)}",
+        f"rename it, for example to my_{os.path.basename(what)}, or take it out of PYTHONPATH",
     )
 
 
@@ -86,18 +77,17 @@ def cause(error: BaseException) -> str:
     named = set(_named(error, first))
     imports = isinstance(error, ImportError | AttributeError)
     found = hidden(loaded() | named, first, later) if imports else {}
-    if found:
-        return " ".join(
-            ": ".join(texts(name, found[name])) + "." for name in sorted(found.keys() & named or found)
-        )
-    if why := unfit(first, core=False) if named or imports else "":
-        return why
-    for name in sorted(named - {*OURS}):
-        mine = next(_files(name, first), "")
-        if mine and any(other != mine for other in _files(name, later)):
-            what, do = texts(name, mine)
-            return f"{what}, and cannot be imported by this Python: take it out of PYTHONPATH, or {do}."
-    return ""
+    if not found:
+        if (named or imports) and (why := unfit(first, core=False)):
+            return why
+        found = {name: next(_files(name, first), "") for name in named - {*OURS}}
+        found = {name: mine for name, mine in found.items() if mine and any(_others(name, mine, later))}
+    names = sorted(found.keys() & named or found)
+    return " ".join(": ".join(texts(name, found[name])) + "." for name in names)
+
+
+def _others(name: str, mine: str, folders: Sequence[str]) -> list[str]:
+    return [file for file in _files(name, folders) if file != mine]
 
 
 def unfit(folders: Iterable[str], *, core: bool = True) -> str:

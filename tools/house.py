@@ -107,17 +107,21 @@ def lesson_programs(found: Mapping[str, Path]) -> set[str]:
 
 
 def started_by_name(root: Path) -> set[str]:
-    """Return the modules whose names are in a table and not in an import: entry points, and `VERBS` of the command line."""
+    """Return the modules whose names are in a table and not in an import: entry points, and `MODULES` of the command line."""
     project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     tables = [project["scripts"], *project["entry-points"].values()]
     programs = {entry.partition(":")[0] for table in tables for entry in table.values()}
     tree = ast.parse((root / "beatrix_zenoh/cli/verbs.py").read_text(encoding="utf-8"))
-    (verbs,) = [
-        ast.literal_eval(node.value)
+    (modules,) = [
+        node.value.keys
         for node in tree.body
-        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "VERBS"
+        if isinstance(node, ast.Assign)
+        and isinstance(node.value, ast.Dict)
+        and ast.unparse(node.targets[0]) == "MODULES"
     ]
-    return programs | {f"beatrix_zenoh.{module}" for module in verbs.values()}
+    return programs | {
+        f"beatrix_zenoh.{ast.literal_eval(module)}" for module in modules if module is not None
+    }
 
 
 def circles(graph: Graph) -> list[set[str]]:

@@ -78,22 +78,17 @@ class OpenSessions:
         """
         return self._call
 
-    def begin_call(self) -> None:
-        """Count a thread that enters Zenoh; raises the error of `call`."""
+    def count(self, change: int) -> None:
+        """Count a thread that enters Zenoh (1) or has returned from it (-1); on entry raises the error of `call`."""
         with self._lock:
-            ended = self._ended
-            self._calls += not ended
-        if ended:
+            refused = self._ended and change > 0
+            self._calls += 0 if refused else change
+            if self._ended:
+                self._changed.notify_all()
+        if refused:
             if threads.ours():
                 threading.Event().wait()
             raise WrongUsage(Reason.SHUTDOWN, "This program ends: its connections are closed.")
-
-    def end_call(self) -> None:
-        """Count a thread that has returned from Zenoh."""
-        with self._lock:
-            self._calls -= 1
-            if self._ended:
-                self._changed.notify_all()
 
     def close(self) -> None:
         """Close all open sessions and wait until no thread is inside Zenoh; for use at the exit."""
@@ -128,13 +123,13 @@ class _Call(threading.local):
 
     def __enter__(self) -> None:
         if not self.depth:
-            self._sessions.begin_call()
+            self._sessions.count(1)
         self.depth += 1
 
     def __exit__(self, *exc: object) -> None:
         self.depth -= 1
         if not self.depth:
-            self._sessions.end_call()
+            self._sessions.count(-1)
 
 
 OPEN: Final = OpenSessions()

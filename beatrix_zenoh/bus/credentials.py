@@ -33,7 +33,7 @@ class Identity:
     key: str
 
 
-def tls(identity: Identity, *, listens: bool) -> dict[str, object]:
+def tls(identity: Identity | Account, *, listens: bool) -> dict[str, object]:
     """Return Zenoh's section `transport/link/tls`, in which both sides must present a certificate.
 
     Zenoh receives the keys in memory, not in files.
@@ -57,12 +57,7 @@ def _encoded(text: str) -> str:
 
 def settings(account: Account | None) -> Mapping[str, object]:
     """Return Zenoh's settings with the credentials of an account; empty without an account."""
-    return {} if account is None else {"transport/link/tls": tls(identity(account), listens=False)}
-
-
-def identity(account: Account) -> Identity:
-    """Return the certificate and private key of an account, and the certificate of its authority."""
-    return Identity(account.authority, account.certificate, account.key)
+    return {} if account is None else {"transport/link/tls": tls(account, listens=False)}
 
 
 def no_router(error: NoAnswer, account: Account | None) -> NoAnswer:
@@ -85,7 +80,7 @@ def refusal(endpoint: str, account: Account | None) -> str:
             f"The program at {endpoint} closes the connection: it is no router, or one of a class, which accepts only "
             "accounts. Check the address; in a class, run `beatrix join FILE` with the file of your seat."
         )
-    causes = [_certificate_error(one, identity(account)) for one in endpoints(endpoint)]
+    causes = [_certificate_error(one, account) for one in endpoints(endpoint)]
     return refused(endpoint, account, next(filter(None, causes), PUT_OUT))
 
 
@@ -97,7 +92,7 @@ def refused(endpoint: str, account: Account, cause: str = PUT_OUT) -> str:
     )
 
 
-def client_context(own: Identity) -> ssl.SSLContext:
+def client_context(own: Account) -> ssl.SSLContext:
     """Return a context for connections to the router with an identity; raises ssl.SSLError if it is invalid."""
     context = ssl.create_default_context(cadata=own.authority)
     with private_file(own.certificate + own.key) as path:
@@ -105,7 +100,7 @@ def client_context(own: Identity) -> ssl.SSLContext:
     return context
 
 
-def _certificate_error(endpoint: str, own: Identity) -> str:
+def _certificate_error(endpoint: str, own: Account) -> str:
     """Return the cause of a failed TLS handshake; empty if it succeeds or the cause is unknown."""
     _, host, port = parse_endpoint(endpoint)
     try:

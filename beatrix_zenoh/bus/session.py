@@ -146,11 +146,8 @@ class Bus(MessageSession):
 
     def robots(self, timeout_s: float = 1.0) -> list[tuple[str, str]]:
         """Return name and side of every robot online."""
-        return _places(self.tokens(keys.alive("*", "*"), timeout_s))
-
-    def claims(self) -> list[tuple[str, str]]:
-        """Return name and side of every node that serves or starts; in joined networks one robot may occur twice."""
-        return _places(self.tokens(keys.claim("*", "*", "*")))
+        found = map(keys.parse, self.tokens(keys.alive("*", "*"), timeout_s))
+        return [(parts.robot, parts.side) for parts in found if parts is not None]
 
 
 def hanging_router(endpoint: str) -> str:
@@ -159,12 +156,6 @@ def hanging_router(endpoint: str) -> str:
         f"The router at {endpoint} does not answer: it hangs or is very busy. Robots stop by themselves within 3 s "
         "of losing their router."
     )
-
-
-def _places(tokens: list[str]) -> list[tuple[str, str]]:
-    """Return name and side from the key of each token."""
-    found = [keys.parse(token) for token in tokens]
-    return [(parts.robot, parts.side) for parts in found if parts is not None]
 
 
 def connect(endpoint: str, *, label: str = "", account: Account | None = None) -> Bus:

@@ -29,7 +29,7 @@ class Tunnel:
     def __init__(self, router: str, account: Account) -> None:
         """Listen, for a tunnel to the router at an endpoint, or at one of several separated by commas."""
         self._routers = [parse_endpoint(one) for one in endpoints(router)]
-        self._context = credentials.client_context(credentials.identity(account))
+        self._context = credentials.client_context(account)
         self._connections: set[asyncio.Task[None]] = set()
         self._socket = socket.create_server((HERE, 0))
         self.endpoint = f"tcp/{HERE}:{self._socket.getsockname()[1]}"

@@ -90,7 +90,7 @@ class _Signer:
         The common name of a new certificate has a random suffix, so that the router can distinguish it from older ones.
         """
         trusted = self.authority.certificate
-        own = None if old is None else Identity(old.authority, old.certificate, old.key)
+        own: Account | Identity | None = old
         if own is None or own.authority != trusted or not certificates.is_current(own.certificate):
             own = certificates.account(f"{name}.{secrets.token_hex(4)}", trusted)
         return Account(
@@ -108,13 +108,11 @@ class _Signer:
 
     def router(self, classroom: Classroom, path: Path, accounts: list[Account]) -> RouterFile:
         """Return the routers' file, with the certificate of the old one in `path` if that is still right."""
-        old = None
+        own: RouterFile | Identity = self.authority.issue(ROUTER, classroom.addresses)
         with contextlib.suppress(WrongUsage):  # it is missing, or of an earlier version
             old = load(path)
-        if old is not None and old.listen == classroom.listen and self.authority.signed(old.certificate):
-            own = Identity(old.authority, old.certificate, old.key)
-        else:
-            own = self.authority.issue(ROUTER, classroom.addresses)
+            if old.listen == classroom.listen and self.authority.signed(old.certificate):
+                own = old
         return RouterFile(
             class_name=classroom.name,
             role="router",

@@ -156,14 +156,8 @@ def load(path: Path) -> RouterFile:
     if not made.is_file():
         raise _wrong(f"Class {classroom.name} has no accounts yet: {made} is missing. Run {init} first.")
     file = load(made)
-    known = (file.listen, file.listen_seats, file.seats, file.robots, file.pictures_hz)
-    if known != (
-        classroom.listen,
-        classroom.listen_seats,
-        classroom.seats,
-        classroom.robots,
-        classroom.pictures_hz,
-    ):
+    shared = ("listen", "listen_seats", "seats", "robots", "pictures_hz")
+    if any(getattr(file, name) != getattr(classroom, name) for name in shared):
         raise _wrong(
             f"{path} has changed since the accounts were made. Run {init} again; it keeps existing accounts."
         )

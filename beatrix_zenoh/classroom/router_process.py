@@ -13,7 +13,7 @@ import os
 import queue
 import sys
 import time
-from collections import Counter, deque
+from collections import deque
 from collections.abc import Callable, Collection
 from typing import Final
 
@@ -54,9 +54,9 @@ class Guests:
         self._tokens: dict[str, deque[float]] = {}
 
     @property
-    def connected(self) -> Counter[str]:
-        """Number of connections of each account."""
-        return Counter(self._connected.values())
+    def connected(self) -> list[str]:
+        """The accounts that are connected."""
+        return sorted({*self._connected.values()})
 
     def link(self, account: str, address: str, now_s: float, *, opened: bool) -> None:
         """Handle a connection that has begun or ended."""

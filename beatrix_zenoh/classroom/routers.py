@@ -13,7 +13,6 @@ import subprocess
 import sys
 import threading
 import time
-from collections import Counter
 from collections.abc import Collection, Iterator
 from pathlib import Path
 from typing import Final, cast
@@ -22,7 +21,7 @@ import msgspec
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import threads
-from beatrix_zenoh.account import Account, today
+from beatrix_zenoh.account import today
 from beatrix_zenoh.classroom import router_file
 from beatrix_zenoh.classroom.pending import PendingDecisions
 from beatrix_zenoh.classroom.reports import KeptReports
@@ -61,8 +60,12 @@ class ChildRouter:
     def __init__(self, part: Part, file: RouterFile) -> None:
         """Start it; wait for it with `wait_ready`."""
         self.part, self.file = part, file
-        self.connected: Counter[str] = Counter()
-        """number of connections of each account"""
+        self.connected: list[str] = []
+        """accounts"""
+        self.failures = 0
+        """number of queries through it without an answer, since the last answer"""
+        self._closed = threading.Event()
+        self._asking: threading.Thread | None = None
         self._events: queue.SimpleQueue[list[object]] = queue.SimpleQueue()
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-m", "beatrix_zenoh.classroom.router_process", part.value],
@@ -73,7 +76,6 @@ class ChildRouter:
             creationflags=NEW_GROUP,
         )
         self._reader = threads.start(self._read, f"router-{part.value}")
-        self._answering: Answering | None = None
         self._write(file)
 
     def _read(self) -> None:
@@ -96,7 +98,7 @@ class ChildRouter:
             with contextlib.suppress(queue.Empty):
                 event, *data = self._events.get(timeout=POLL_S)
                 if event == "ready":
-                    self._answering = Answering(self.file.endpoint(self.part), self.file.account())
+                    self._asking = threads.start(self._ask, "answering")
                     return
                 if event == "failed":
                     reason, message = cast("tuple[str, str]", data)
@@ -112,15 +114,22 @@ class ChildRouter:
         """Exit code; None while it runs."""
         return self._process.poll()
 
-    @property
-    def failures(self) -> int:
-        """Number of queries through it without an answer, since the last answer."""
-        return 0 if self._answering is None else self._answering.failures
+    def _ask(self) -> None:
+        """Ask the router of robots and teacher through this one each second, because a router can run and be stuck.
 
-    def forget_failures(self) -> None:
-        """Count anew the queries without an answer."""
-        if self._answering is not None:
-            self._answering.failures = 0
+        It sends a query as clients do: one for tokens may take a second after a seat with 2 000 subscribers has left,
+        while STOP takes 10 ms (measured).
+        """
+        while not self._closed.is_set():
+            try:
+                bus = zbus.connect(self.file.endpoint(self.part), account=self.file.account())
+            except NoAnswer:  # strangers may keep sessions out of a router that serves all others
+                self._closed.wait(PERIOD_S)
+                continue
+            with bus:
+                while not self._closed.wait(PERIOD_S):
+                    answered = bus.query(CHECK_KEY, timeout_s=ANSWER_S).is_answered(ANSWER_S)
+                    self.failures = 0 if answered else self.failures + 1
 
     def kill(self) -> None:
         """End the process at once."""
@@ -131,7 +140,7 @@ class ChildRouter:
         while not self._events.empty():
             event, *data = self._events.get()
             if event == "connected":
-                self.connected = Counter(cast("dict[str, int]", data[0]))
+                self.connected = cast("list[str]", data[0])
             elif event == "flood":
                 yield str(data[0])
 
@@ -150,8 +159,9 @@ class ChildRouter:
         except subprocess.TimeoutExpired:
             self.kill()
         self._reader.join(END_S)
-        if self._answering is not None:
-            self._answering.close()
+        self._closed.set()  # after the end of the router, which may let no session close
+        if self._asking is not None:
+            self._asking.join(3 * ANSWER_S)
 
 
 class ClassRouters:
@@ -248,7 +258,7 @@ class ClassRouters:
         else:
             note(f"The {part.called} runs again.")
             if part is Part.ROBOTS and Part.SEATS in self._children:
-                self._children[Part.SEATS].forget_failures()
+                self._children[Part.SEATS].failures = 0
 
     def _changed(self) -> RouterFile | None:
         """Return the file if it has changed since the last call; None if it has not or cannot be read."""
@@ -324,36 +334,3 @@ def run(of_class: Path, lessons: Collection[str], shutdown: Shutdown) -> None:
             routers.tend()
     finally:
         routers.close()
-
-
-class Answering:
-    """Asks the router of robots and teacher once a second, on a thread of its own, because a router can run and be stuck.
-
-    It sends a query as clients do: one for tokens may take a second after a seat with 2 000 subscribers has left, while
-    STOP takes 10 ms (measured).
-    """
-
-    def __init__(self, endpoint: str, account: Account) -> None:
-        """Connect to one of the routers, and ask through it until `close`."""
-        self._endpoint, self._account = endpoint, account
-        self.failures = 0
-        """number of queries without an answer, since the last answer"""
-        self._ended = threading.Event()
-        self._thread = threads.start(self._run, "answering")
-
-    def _run(self) -> None:
-        while not self._ended.is_set():
-            try:
-                bus = zbus.connect(self._endpoint, account=self._account)
-            except NoAnswer:  # strangers may keep sessions out of a router that serves all others
-                self._ended.wait(PERIOD_S)
-                continue
-            with bus:
-                while not self._ended.wait(PERIOD_S):
-                    answered = bus.query(CHECK_KEY, timeout_s=ANSWER_S).is_answered(ANSWER_S)
-                    self.failures = 0 if answered else self.failures + 1
-
-    def close(self) -> None:
-        """End the queries; call it after the end of the router, which may let no session close."""
-        self._ended.set()
-        self._thread.join(3 * ANSWER_S)

@@ -275,20 +275,18 @@ def _govern(
                 (say if result.reason is Reason.OK else note)(f"{title(place)}: {result.message}")
         later = pending(client, query, wanted or ())
         if not (places or later):
-            named = f" of the name {', '.join(wanted)}" if wanted else ""
-            others = f" Online: {', '.join(map(title, present))}." if present else ""
             raise NoAnswer(
                 Reason.NO_SUCH_ROBOT if present else Reason.NO_ANSWER,
-                f"No robot{named} is online at {client.bus.endpoint}.{others}",
+                f"No robot {' or '.join(wanted or ())} is online at {client.bus.endpoint}. Online: "
+                f"{', '.join(map(title, present)) or 'none'}.",
             )
-        # The robot of a seat may be a token that a program has declared without a robot.
-        silent = [
-            place for place in places if results[place].reason is Reason.TIMED_OUT and of_seat(client, place)
-        ]
-    done = [
-        place for place in places if results[place].reason is Reason.OK or (place in silent and not wanted)
+    # The robot of a seat may be a token that a program has declared without a robot.
+    failed = [
+        place
+        for place, result in results.items()
+        if result.reason is not Reason.OK
+        and (wanted or result.reason is not Reason.TIMED_OUT or not of_seat(client, place))
     ]
-    failed = [place for place in places if place not in done]
     of_class = wanted or (settings.account.robots if settings.account else ())
     absent = sorted({*of_class} - {robot for robot, _ in present} - {*later})
     if as_json:

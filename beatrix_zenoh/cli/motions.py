@@ -15,7 +15,6 @@ from beatrix_zenoh.client import choreography
 from beatrix_zenoh.client.choreography import Choreography, Step
 from beatrix_zenoh.client.choreography import play as perform
 from beatrix_zenoh.client.degrees import motion_query, pose_query
-from beatrix_zenoh.client.plan import Plan
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.twin import Twin
@@ -168,32 +167,25 @@ def begin_detached(robot: Robot, query: MotionQuery | PoseQuery) -> str:
 
 
 def commit(targets: Targets, query: MotionQuery | PoseQuery, lead_s: float) -> None:
-    """Preview the motion on a copy of the simulation, print the result, then carry the motion out on both robots."""
+    """Preview the motion on a copy of the simulation, print the result, then carry it out on both; Ctrl-C cancels it."""
     with twin_of(targets) as twin:
         plan = twin.preview_query(structs.replace(query, source=Source.CLI))
         note(f"Preview: {plan.verdict}")
+        motion = plan.commit(lead_s, wait=False)
         if lead_s:
-            count_down(plan, lead_s)
-        else:
-            plan.commit()
+            note(f"The hardware moves in {lead_s:g} s, unless you press Ctrl-C before then.")
+        try:
+            motion.result()
+        except KeyboardInterrupt as interrupt:
+            raise KeyboardInterrupt(cancelled(motion)) from interrupt
+        if lead_s and motion.lag_s is not None:
+            note(f"The hardware began {motion.lag_s:.2f} s after the simulation.")
 
 
 def twin_of(targets: Targets) -> Twin:
     """Return both robots selected, with sessions of their own."""
     settings = targets.client.settings
     return Twin(targets.name, connect=settings.connect, who=settings.who)
-
-
-def count_down(plan: Plan, lead_s: float) -> None:
-    """Carry out a plan with a lead; Ctrl-C cancels the motion."""
-    motion = plan.commit(lead_s, wait=False)
-    note(f"The hardware moves in {lead_s:g} s, unless you press Ctrl-C before then.")
-    try:
-        motion.result()
-    except KeyboardInterrupt as interrupt:
-        raise KeyboardInterrupt(cancelled(motion)) from interrupt
-    if motion.lag_s is not None:
-        note(f"The hardware began {motion.lag_s:.2f} s after the simulation.")
 
 
 def cancelled(motion: TwinMotion) -> str:

@@ -166,23 +166,27 @@ def up(
     most; the others continue. Ctrl-C, or the end of the router, ends all processes that were started.
     """
     settings = resolve(name, connect)
-    if no_sim and hw is None:
-        raise typer.BadParameter("With --no-sim there is nothing to start except a robot: add --hw PORT.")
-    if no_sim and ready:
+    if no_sim and (ready or hw is None):
         raise typer.BadParameter(
-            "--ready is for the simulation. On a robot use enable and calibrate, within sight of it."
+            "With --no-sim give --hw PORT; type enable and calibrate within sight of the robot."
         )
     load(robot_file)  # raises before any process starts
-    sides = [*([] if no_sim else ["sim"]), *([] if hw is None else ["hw"])]
-    programs = {side: given("--robot-file", robot_file) + log_words(log_file, side) for side in sides}
+    options = {"sim": ["--ready"] * ready + given("--target", target), "hw": given("--port", hw)}
+    sides = [side for side, there in (("sim", not no_sim), ("hw", hw is not None)) if there]
+    programs: dict[str, list[str]] = {"gui": []} if gui else {}
+    for side in sides:
+        programs[side] = options[side] + given("--robot-file", robot_file) + log_words(log_file, side)
     programs[sides[-1]] += given("--legacy", legacy)
-    if not no_sim:
-        programs["sim"] += ["--ready"] * ready + given("--target", target)
-    if hw is not None:
-        programs["hw"] += ["--port", hw]
+    run_programs(settings, programs, legacy, as_json=as_json)
+
+
+def run_programs(
+    settings: Settings, programs: Mapping[str, Sequence[str]], legacy: Path | None, *, as_json: bool
+) -> None:
+    """Run programs, and a router if none answers, until Ctrl-C; print the robots, and what to type next."""
     with signals_interrupt() as shutdown, Supervisor() as supervisor:
         router = start_router(supervisor, settings.connect, settings.account)
-        start_programs(supervisor, settings, {**({"gui": []} if gui else {}), **programs})
+        start_programs(supervisor, settings, programs)
         with Client(settings, announce=False) as client:
             found = look_up(client)
         supervisor.new_lines()  # discards the output so far: the table shows the state and the warnings
@@ -193,7 +197,7 @@ def up(
                 say(f"router {settings.connect}: {router}")
                 show(found)
                 if legacy is not None:
-                    say(f"Programs of 2023 open {legacy.absolute()} and drive the {TITLES[sides[-1]]}.")
+                    say(f"Programs of 2023 open {legacy.absolute()} and drive the {TITLES[[*programs][-1]]}.")
                 say(advice(settings.connect, verbs(settings.robot, found), supervisor.folder))
             watch(supervisor, shutdown)
 

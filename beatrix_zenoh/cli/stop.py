@@ -81,9 +81,10 @@ def stop(
     finally:
         for error in wrong_settings:
             note(error.message)
-    if not (answers or wrong_names):
-        raise nothing_to_stop(settings.connect, asked, present)
     missing = absent(asked, side, answers, present, settings.connect)
+    if not (answers or missing or wrong_names):
+        text = f"Nothing to stop: no such robot is online at {settings.connect}. {IF_IT_MOVES}"
+        raise NoAnswer(absent_reason(ALL, present), text)
     found = [
         StopOutcome(
             *place,
@@ -149,24 +150,17 @@ def check_names(robots: Sequence[str]) -> tuple[list[str], list[StopOutcome]]:
     return asked, wrong
 
 
-def nothing_to_stop(endpoint: str, asked: Sequence[str], present: Sequence[Place]) -> NoAnswer:
-    """Return the error to raise if no robot of the names in `asked` is online."""
-    found = ", ".join(f"{robot} ({side})" for robot, side in present)
-    hint = "" if ALL in asked or not found else " `beatrix stop --all` stops every robot."
-    reasons = [absent_reason(robot, present) for robot in asked]
-    return NoAnswer(
-        Reason.NO_ANSWER if Reason.NO_ANSWER in reasons else Reason.NO_SUCH_ROBOT,
-        f"Nothing to stop: no such robot at {endpoint}. Online: {found or 'no robot'}.{hint} " + IF_IT_MOVES,
-    )
-
-
 def absent(
     asked: Sequence[str], side: str, places: Collection[Place], present: Sequence[Place], endpoint: str
 ) -> list[StopOutcome]:
     """Return an outcome for each name in `asked` that no robot in `places` has."""
     stopped = {robot for robot, _ in places}
     side = "" if side == ALL else f" ({side})"
-    text = f"{side} is not online at {endpoint}, so it was not stopped. `beatrix ls` shows the robots online."
+    online = ", ".join(f"{robot} ({side})" for robot, side in present) or "no robot"
+    text = (
+        f"{side} is not online at {endpoint}, so it was not stopped. Online: {online}. `beatrix stop --all` stops every robot. "
+        f"{IF_IT_MOVES}"
+    )
     return [
         StopOutcome(robot, "", reason, robot + text, exit_code(reason))
         for robot in asked

@@ -14,50 +14,30 @@ import typer
 import beatrix_zenoh
 from beatrix_zenoh.output import say
 
-VERBS = {
-    "demo": "demo.verbs",
-    "up": "cli.serving",
-    "router": "cli.serving",
-    "sim": "cli.serving",
-    "hw": "cli.serving",
-    "gui": "cli.serving",
-    "web": "cli.serving",
-    "ls": "cli.listing",
-    "status": "cli.listing",
-    "info": "cli.listing",
-    "echo": "cli.streams",
-    "hz": "cli.streams",
-    "top": "cli.listing",
-    "graph": "cli.graph",
-    "look": "cli.motions",
-    "move": "cli.motions",
-    "home": "cli.motions",
-    "play": "cli.motions",
-    "replay": "recording.verbs.replay",
-    "compare": "recording.verbs.compare",
-    "enable": "cli.commands",
-    "disable": "cli.commands",
-    "calibrate": "cli.commands",
-    "stop": "cli.stop",
-    "reset": "cli.commands",
-    "follow": "cli.commands",
-    "lease": "cli.commands",
-    "freeze": "cli.commands",
-    "unfreeze": "cli.commands",
-    "limit": "cli.commands",
-    "mute": "cli.commands",
-    "unmute": "cli.commands",
-    "record": "recording.verbs.record",
-    "note": "recording.verbs.note",
-    "export": "recording.verbs.export",
-    "view": "recording.verbs.view",
-    "doctor": "doctor.verbs",
-    "flash": "cli.serving",
-    "classroom": "classroom.verbs",
-    "join": "classroom.verbs",
-    "lesson": "lessons.verbs",
+MODULES = {
+    "demo.verbs": ("demo",),
+    "cli.serving": ("up", "router", "sim", "hw", "gui", "web", "flash"),
+    "cli.listing": ("ls", "status", "info", "top"),
+    "cli.streams": ("echo", "hz"),
+    "cli.graph": ("graph",),
+    "cli.motions": ("look", "move", "home", "play"),
+    "cli.stop": ("stop",),
+    "cli.commands": (
+        *("enable", "disable", "calibrate", "reset", "follow"),
+        *("lease", "freeze", "unfreeze", "limit", "mute", "unmute"),
+    ),
+    "recording.verbs.record": ("record",),
+    "recording.verbs.note": ("note",),
+    "recording.verbs.view": ("view",),
+    "recording.verbs.export": ("export",),
+    "recording.verbs.replay": ("replay",),
+    "recording.verbs.compare": ("compare",),
+    "doctor.verbs": ("doctor",),
+    "classroom.verbs": ("classroom", "join"),
+    "lessons.verbs": ("lesson",),
 }
-"""Each verb and its module in beatrix_zenoh, in the order of the help text."""
+"""The verbs of each module in beatrix_zenoh, in the order of the help text."""
+VERBS = {verb: module for module, verbs in MODULES.items() for verb in verbs}
 PASS_THROUGH = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}
 """Settings of verbs that pass their options to another program."""
 PROCESSES = ("sim", "hw", "gui", "web", "flash")

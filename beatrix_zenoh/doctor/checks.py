@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections import Counter
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
@@ -59,11 +58,8 @@ def network(settings: Settings, name: str | None = None) -> Iterator[CheckResult
     try:
         client = Client(settings)
     except NoAnswer as error:
-        if error.reason is Reason.ACCOUNT_REFUSED:
-            yield CheckResult("router", "accepts connections")
-            yield CheckResult("account", "not accepted", error.message)
-        else:
-            yield CheckResult("router", "does not answer", error.message)
+        what = "account" if error.reason is Reason.ACCOUNT_REFUSED else "router"
+        yield CheckResult(what, "is refused" if what == "account" else "does not answer", error.message)
         return
     with client:
         yield CheckResult("router", "answers")
@@ -101,9 +97,8 @@ def robots(client: Client, name: str | None) -> Iterator[CheckResult]:
             return
         time.sleep(max(0.0, began_s + RATE_S - time.monotonic()))
         rates = {robot.place: monitor.robot(*robot.place).hz for robot in found}
-    nodes = Counter(client.bus.claims())
     for robot in found:
-        yield from one_robot(client, robot, rates[robot.place], nodes[robot.place])
+        yield from one_robot(client, robot, rates[robot.place])
     yield from unlike_sides({robot.place: robot.info for robot in found if robot.info is not None})
 
 
@@ -113,16 +108,14 @@ def missing(name: str, others: list[str]) -> CheckResult:
     return CheckResult(name, found, "look at the output of its node, or start it: beatrix sim or beatrix hw")
 
 
-def one_robot(client: Client, listed_robot: ListedRobot, hz: float, nodes: int) -> Iterator[CheckResult]:
-    """Yield findings about a robot; `hz` is its rate of positions, `nodes` the number of nodes that serve it."""
+def one_robot(client: Client, listed_robot: ListedRobot, hz: float) -> Iterator[CheckResult]:
+    """Yield findings about a robot; `hz` is its rate of positions."""
     name, robot = str(listed_robot), Robot(*listed_robot.place, client=client)
     try:
         status = robot.status()
     except BeatrixError as error:
         yield CheckResult(name, "online, but does not answer", error.message)
         return
-    if nodes > 1:
-        yield CheckResult(name, f"{nodes} nodes serve it, and all execute its commands", "end all but one")
     text, well = " ".join(problems(status)), status.fault is Fault.NONE
     yield CheckResult(
         name, f"answers, {state(status)}", todo="" if well else text, advice=text if well else ""
@@ -136,26 +129,19 @@ def one_robot(client: Client, listed_robot: ListedRobot, hz: float, nodes: int) 
 
 def rate(name: str, hz: float) -> CheckResult:
     """Return a finding about the rate of positions (Hz)."""
-    text = f"{hz:.0f} positions a second of {keys.positions.rate_hz}"
-    if hz < SLOW * keys.positions.rate_hz:
-        return CheckResult(
-            name,
-            text,
-            advice="end other programs on its computer and on this one, or use a cable instead of Wi-Fi",
-        )
-    return CheckResult(name, text)
+    slow = "end other programs on its computer and on this one, or use a cable instead of Wi-Fi"
+    advice = slow if hz < SLOW * keys.positions.rate_hz else ""
+    return CheckResult(name, f"{hz:.0f} positions a second of {keys.positions.rate_hz}", advice=advice)
 
 
 def contract(title: str, info: Info) -> CheckResult:
     """Return a finding about whether the robot has the same messages and keys as this computer."""
-    if info.contract == CONTRACT:
-        return CheckResult(
-            title, f"version {info.version}, same messages ({CONTRACT}), firmware {info.firmware or 'none'}"
-        )
+    same = info.contract == CONTRACT
     return CheckResult(
         title,
-        f"version {info.version} has contract {info.contract}, this computer has {CONTRACT}",
-        "install the same version of beatrix-zenoh on both",
+        f"version {info.version}, {'same messages' if same else 'other messages'} ({info.contract}), firmware "
+        f"{info.firmware or 'none'}",
+        "" if same else "install the same version of beatrix-zenoh on both",
     )
 
 
@@ -193,6 +179,5 @@ def clock(robot: Robot) -> CheckResult:
         return CheckResult(str(robot), "clock offset unknown", error.message)
     ahead = "ahead" if offset > 0 else "behind"
     text = f"its clock is {abs(offset) * 1e3:.2f} ms {ahead} (+- {bound * 1e3:.2f} ms)"
-    if abs(offset) > OFFSET_S + bound:
-        return CheckResult(str(robot), text, advice="to compare times, set both clocks (NTP)")
-    return CheckResult(str(robot), text)
+    far = abs(offset) > OFFSET_S + bound
+    return CheckResult(str(robot), text, advice="to compare times, set both clocks (NTP)" if far else "")

@@ -51,12 +51,6 @@ def test_each_kind_of_wrong_certificate_has_its_own_error_message(router: ClassR
         assert sentence in refused(account.connect, wrong)
 
 
-def test_a_router_of_a_class_listens_at_no_other_address(router: ClassRouter) -> None:
-    done = beatrix("router", "--class", str(router.class_file), "--listen", "tcp/0.0.0.0:7447")
-    assert done.returncode == 2
-    assert "addresses" in done.stderr
-
-
 def test_an_expired_account_is_refused_before_anything_is_sent(router: ClassRouter) -> None:
     account = msgspec.structs.replace(router.account("ana"), expires=dt.date(2021, 3, 4))
     with pytest.raises(WrongUsage, match="expired on 2021-03-04"):

@@ -1,19 +1,18 @@
-"""Hostile and broken traffic at the router's port, and a seat that floods: other seats still work."""
+"""Hostile and broken traffic at the router's port: other seats still work."""
 
 from __future__ import annotations
 
 import contextlib
 import socket
 from collections.abc import Iterator
-from pathlib import Path
 
 import hostile
 import msgspec
 import pytest
 from cable import Cable
-from class_router import CLI, Answering, ClassRouter, replies, use_account
+from class_router import Answering, ClassRouter, replies, start_node
 from patient_connections import PATIENCE_S, patiently
-from robots import ROOT, Process, ready, until
+from robots import ready, until
 
 from beatrix_zenoh import Interrupted, NoAnswer, Robot
 from beatrix_zenoh import bus as zbus
@@ -30,17 +29,9 @@ COMMAND = keys.command("bea2", "hw", "ana")
 def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
     """A class with one of its robots online."""
     with ClassRouter(tmp_path_factory.mktemp("class")) as made:
-        node = start(tmp_path_factory.mktemp("bea1"), made.path("bea1"), *CLI, "hw", "--port", "virtual:")
+        node = start_node(tmp_path_factory.mktemp("bea1"), made.path("bea1"))
         yield made
         assert node.end() == 0
-
-
-def start(folder: Path, account: Path, *command: str) -> Process:
-    """Start a program that uses an account; return when it is ready."""
-    use_account(folder, account)
-    process = Process(*command, folder=folder, traced=False)
-    process.expect("ready")
-    return process
 
 
 @pytest.fixture(scope="module")
@@ -80,18 +71,6 @@ def recorded_session(router: ClassRouter) -> bytes:
         with patiently(lambda: Client(Settings("bea1", endpoint, "ana", account=account))) as client:
             Robot("bea1", "hw", client=client).look(yaw=1, speed=60)
         return bytes(max(cable.recorded, key=len))
-
-
-def test_stop_works_while_a_seat_floods_the_robot(
-    router: ClassRouter, teacher: Robot, tmp_path: Path
-) -> None:
-    flooding = start(tmp_path, router.path("ben"), str(ROOT / "tools/hostile.py"), "flood", "bea1")
-    try:
-        for _ in range(STOPS):
-            moves_and_stops(teacher)
-    finally:
-        flooding.end()
-    moves_and_stops(teacher)
 
 
 def send_again(router: ClassRouter, pieces: list[bytes]) -> int:
@@ -152,5 +131,5 @@ def test_hostile_traffic_moves_no_robot_and_blocks_no_request(router: ClassRoute
             moves_and_stops(teacher)
     moves_and_stops(teacher)
     moved = {event.seat for event in teacher.past_events() if event.kind is EventKind.MOTION}
-    assert moved - {"ben"} == {"ana", "teacher"}, "ben floods the robot in the test above"
+    assert moved == {"ana", "teacher"}
     assert sum(event.seat == "ana" for event in teacher.past_events() if event.kind is EventKind.MOTION) == 2

@@ -81,14 +81,6 @@ def test_an_emergency_stop_of_a_student_reaches_all_robots(
         robot.reset()
 
 
-def test_a_command_to_a_robot_of_a_class_does_not_miss_its_simulation(
-    router: ClassRouter, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("BEATRIX_ACCOUNT", str(router.path("teacher")))
-    done = beatrix("enable", "--name", "bea1")
-    assert (done.returncode, done.stderr) == (0, "")
-
-
 def test_only_the_teacher_sees_the_names_of_the_pupils(
     router: ClassRouter, clients: dict[str, Client], monkeypatch: pytest.MonkeyPatch
 ) -> None:

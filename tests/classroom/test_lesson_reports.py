@@ -18,7 +18,6 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LessonState, Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.lessons.progress import Record
-from beatrix_zenoh.lessons.stage import Stage
 from beatrix_zenoh.settings import Settings
 
 STUCK = Record(tries=7, hints=[1], figure="nods", stuck=reports.STUCK)
@@ -123,12 +122,3 @@ def test_without_a_class_nothing_is_reported(tmp_path: Path, monkeypatch: pytest
     monkeypatch.setenv("BEATRIX_ACCOUNT", "")
     monkeypatch.setattr(reports, "_publish", lambda *_: pytest.fail("published"))
     reports.report("01-hello", PASSED.state())
-
-
-def test_the_account_of_a_class_is_not_used_in_a_check(
-    router: ClassRouter, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("BEATRIX_ACCOUNT", str(router.path("ana")))
-    with Stage() as stage:
-        stage.tidy()
-        assert stage.robot().status().calibrated

@@ -23,7 +23,6 @@ from beatrix_zenoh.classroom.router_file import Part
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.output import exit_code
 from beatrix_zenoh.settings import Settings
 
 HW = "hw"
@@ -192,36 +191,15 @@ def test_the_sdk_raises_the_reason_of_each_missing_answer(
     assert (caught.value.reason, sentence in caught.value.message) == (reason, True), caught.value.message
 
 
-def test_a_command_of_a_seat_without_its_simulation_goes_to_no_other_robot(
-    lesson: Lesson, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(lesson.folder)
-    monkeypatch.setenv("BEATRIX_ACCOUNT", str(lesson.file(lesson.router.account("ana"))))
-    done = beatrix("enable")
-    assert done.returncode == exit_code(Reason.NO_SUCH_ROBOT), done.stderr
-    assert "ana (sim) is not online" in done.stderr
-    assert "Online: bea1 (hw)" in done.stderr
-
-
-def doctor(lesson: Lesson, case: Case, monkeypatch: pytest.MonkeyPatch) -> dict[str, list[dict[str, str]]]:
-    """Return the findings of `beatrix doctor` about router, account and robots, by their subject."""
-    monkeypatch.chdir(lesson.folder)
-    monkeypatch.setenv("BEATRIX_ACCOUNT", str(lesson.file(case.account)))
-    monkeypatch.setenv("MUJOCO_GL", "off")  # skips the check of OpenGL, which is not needed here
-    done = beatrix("doctor", "--json")
-    found: dict[str, list[dict[str, str]]] = {}
-    for row in json.loads(done.stdout)["findings"]:
-        found.setdefault(row["what"], []).append(row)
-    assert done.returncode == 1
-    return found
-
-
 def test_doctor_ends_at_a_refused_account(lesson: Lesson, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(lesson.folder)
+    monkeypatch.setenv("MUJOCO_GL", "off")  # skips the check of OpenGL, which is not needed here
     with wrong_account(lesson) as case:
-        found = doctor(lesson, case, monkeypatch)
-    assert [row["state"] for row in found["router"] + found["account"]] == ["ok", "todo"]
-    assert "beatrix join ana.toml" in found["account"][0]["todo"]
-    assert "bea1 (hw)" not in found
+        monkeypatch.setenv("BEATRIX_ACCOUNT", str(lesson.file(case.account)))
+        done = beatrix("doctor", "--json")
+    found = {row["what"]: row for row in json.loads(done.stdout)["findings"]}
+    assert (done.returncode, found["account"]["state"], "bea1 (hw)" in found) == (1, "todo", False)
+    assert "beatrix join ana.toml" in found["account"]["todo"]
 
 
 def test_a_program_whose_router_was_lost_does_not_report_that_the_robot_was(tmp_path: Path) -> None:

@@ -85,6 +85,7 @@ def test_ctrl_c_within_the_lead_leaves_the_hardware_unmoved_and_reports_it(free:
         ("move", "1", "2", "3", "--speed", "10,20"),
         ("move", "1", "2", "3", "--speed", "fast"),
         ("look", "--lead", "2"),
+        ("router", "--class", "class.toml", "--listen", "tcp/0.0.0.0:7447"),
         ("look", "--lead", "2", "--on", "sim"),
         ("look", "--lead", "-1", "--on", "both"),
         ("look", "--lead", "nan", "--on", "both"),

@@ -74,14 +74,6 @@ def test_up_does_not_start_the_router_of_another_computer(
     assert "beatrix router --listen tcp/0.0.0.0:7447" in capsys.readouterr().err
 
 
-def test_is_local_is_true_only_for_addresses_of_this_computer() -> None:
-    code = "import sys; from beatrix_zenoh import bus; print([bus.is_local(host) for host in sys.argv[1:]])"
-    hosts = ("127.0.0.1", "localhost", "0.0.0.0", "192.0.2.7")
-    asked = Process("-c", code, *(f"tcp/{host}:7447" for host in hosts), traced=False)
-    assert asked.wait() == 0
-    assert asked.lines == ["[True, True, True, False]"]
-
-
 def test_the_ready_line_says_that_there_is_no_board(endpoint: str, temporary: Path) -> None:
     named = ("--name", "bea", "--port", f"{temporary}/COM9")
     with routing(endpoint):

@@ -8,11 +8,10 @@ import subprocess
 import sys
 
 import pytest
-from robots import END_S, free_endpoint
+from robots import END_S
 from shell import NAME, Shell, another
 
 from beatrix_zenoh.contract._generated.messages import CONTRACT
-from beatrix_zenoh.doctor.checks import robots
 
 
 def wait_for(process: subprocess.Popen[str], words: str) -> str:
@@ -77,20 +76,6 @@ def test_doctor_checks_each_step_from_the_router_to_the_cameras(shell: Shell) ->
     assert (own["hidden modules"], "OpenGL" in own["graphics"]) == ("none", True)
 
 
-def test_doctor_names_a_robot_that_two_nodes_serve(shell: Shell) -> None:
-    with shell.robot("hw") as other, shell.robot("hw") as robot:
-        other.client.bus.declare_token(f"beatrix/{NAME}/hw/@claim/ffff")  # as if two networks were joined
-        found = [(row.what, row.found) for row in robots(robot.client, NAME)]
-    assert [what for what, text in found if text.startswith("2 nodes serve it")] == [f"{NAME} (hw)"]
-
-
-def test_doctor_explains_what_to_do_without_a_router() -> None:
-    done = Shell(free_endpoint()).run("doctor")
-    assert done.returncode == 1
-    assert "beatrix router" in done.stdout
-    assert "account" not in done.stdout, "later checks depend on this one"
-
-
 # -- moving ----------------------------------------------------------------------------------
 
 
@@ -108,12 +93,6 @@ def test_look_on_both_robots_is_previewed_and_turns_both(shell: Shell) -> None:
     assert "Preview" in done.stderr
     pitches = [row["head_deg"]["pitch"] for row in json.loads(done.stdout)["robots"]]
     assert pitches == pytest.approx([-8, -8], abs=0.5)
-
-
-def test_a_refusal_is_printed_on_stderr_with_exit_code_one(shell: Shell) -> None:
-    done = shell.run("look", "--pitch", "50")
-    assert (done.returncode, done.stdout) == (1, "")
-    assert "lean" in done.stderr
 
 
 # -- exit codes ---------------------------------------------------------------------------------

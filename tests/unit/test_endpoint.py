@@ -37,3 +37,8 @@ def test_an_invalid_endpoint_raises_wrong_usage(endpoint: str) -> None:
 )
 def test_a_valid_endpoint_is_parsed(endpoint: str, host: str) -> None:
     assert zbus.parse_endpoint(endpoint) == ("tcp", host, 7447)
+
+
+def test_is_local_is_true_only_for_addresses_of_this_computer() -> None:
+    hosts = ("127.0.0.1", "localhost", "192.0.2.7")
+    assert [zbus.is_local(f"tcp/{host}:7447") for host in hosts] == [True, True, False]

@@ -62,7 +62,7 @@ def test_doctor_lists_the_files_of_its_folder_that_hide_modules(tmp_path: Path) 
     found = {what for what in findings if what.startswith("module ")}
     assert found == {f"module {name}" for name in ("beatrix_zenoh", "gui", "logging", "wasmtime", "zenoh")}
     assert findings["module gui"]["found"].startswith(f"{tmp_path / 'gui'} hides ")
-    assert findings["module logging"]["todo"] == "rename it, for example to my_logging.py"
+    assert findings["module logging"]["todo"].startswith("rename it, for example to my_logging.py")
     assert "hidden modules" not in findings
 
 
@@ -116,7 +116,7 @@ def test_a_copy_that_cannot_be_imported_is_named_by_doctor_and_by_the_verb_that_
     path = package(tmp_path / "path", "numpy", "2.2.0", "py3-none", "print 'Python 2'")
     words = ("-P", "-m", "beatrix_zenoh.cli")
     done = python(tmp_path, *words, "sim", "--name", "bea1", PYTHONPATH=str(path))
-    expected = f"{path / 'numpy'} hides the package numpy, which BEATRIX needs, and cannot be imported"
+    expected = f"{path / 'numpy'} hides the package numpy, which BEATRIX needs: rename it"
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (1, "", 1)
     assert done.stderr.startswith(expected)
     done = python(tmp_path, *words, "doctor", "--json", "--connect", free_endpoint(), PYTHONPATH=str(path))
@@ -157,24 +157,14 @@ def test_a_child_of_up_executes_no_file_of_its_folder(
         assert (child.code, (tmp_path / "executed").exists()) == (0, False), child.lines()
 
 
-@pytest.mark.parametrize(
-    ("error", "expected"),
-    [
-        (
-            ModuleNotFoundError("No module named 'msgpack'", name="msgpack"),
-            "needs msgpack, which is not installed",
-        ),
-        (ImportError("DLL load failed"), "cannot be loaded: DLL load failed"),
-        (AttributeError("module 'typer' has no attribute 'Typer'"), "'typer' has no attribute 'Typer'"),
-    ],
-)
-def test_a_missing_or_broken_dependency_is_reported_in_one_line(
-    error: Exception, expected: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+def test_a_missing_dependency_is_reported_in_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def broken(_words: object) -> None:
-        raise error
+        raise ModuleNotFoundError("No module named 'msgpack'", name="msgpack")
 
     monkeypatch.setattr("beatrix_zenoh.cli.verbs.application", broken)
     assert app.run(["doctor"]) == 1
-    line = capsys.readouterr().err
-    assert (expected in line, 'pip install ".[cli]"' in line, line.count("\n")) == (True, True, 1)
+    install = 'Run `pip install ".[cli]"` in the folder of BEATRIX.'
+    said = f"The command line needs msgpack, which is not installed. {install}\n"
+    assert capsys.readouterr().err == said
