@@ -161,10 +161,10 @@ def graphics(child: subprocess.Popen[str]) -> CheckResult:
     missing = sys.platform == "linux" and not any(map(ctypes.util.find_library, ("EGL", "OSMesa")))
     return CheckResult(
         "graphics",
-        "OpenGL does not work: simulations draw the pictures of the eyes by ray casting, at a lower resolution",
-        advice="for full resolution: apt install libegl1 libgl1-mesa-dri"
+        "OpenGL does not work: the eyes of simulations see nothing",
+        advice="apt install libegl1 libgl1-mesa-dri"
         if missing
-        else "for full resolution: update the graphics driver, and unset MUJOCO_GL if it is set",
+        else "update the graphics driver, and unset MUJOCO_GL if it is set",
     )
 
 

@@ -142,7 +142,7 @@ class CameraFrame:
     t_mono_ns: int
     """monotonic clock of this computer at the exposure, or at the time of the rendered state"""
     source: str
-    """`v4l2`, `opencv`, `pattern`, `file`, `egl`, `osmesa` or `rays`"""
+    """`v4l2`, `opencv`, `pattern`, `file`, `egl` or `osmesa`"""
 
     def sent(self) -> tuple[bytes, FrameHeader]:
         """Return payload and header, which `SensorPublisher` numbers."""

@@ -21,7 +21,7 @@ def test_graphics_that_cannot_draw_are_reported(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setenv("MUJOCO_GL", "off")
     with computer.graphics_probe() as graphics:
         found = graphics()
-    assert "ray casting" in found.found
+    assert "see nothing" in found.found
     assert found.state == "advice"
 
 
