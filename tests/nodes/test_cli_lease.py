@@ -82,45 +82,43 @@ def test_the_teacher_freezes_all_robots_and_limits_their_speed(free: Shell) -> N
 
 
 @pytest.mark.long("waits for robots that do not answer")
-def test_a_robot_that_freeze_did_not_reach_is_named_and_shown_as_not_frozen() -> None:
-    with Stage() as stage:
-        shell = Shell(stage.endpoint)
-        stage.node("bea1")
-        waiting: list[Incoming] = []
-        hung = stage.client("bea2").bus  # a node that takes requests and does not answer
-        hung.declare_token(keys.alive("bea2", "hw"))
-        hung.serve(keys.lease("bea2", "hw", "*"), waiting.append)
-        done = shell.run("freeze", "--who", "teacher")
-        assert done.returncode != 0
-        assert done.stdout.startswith("bea1 (hw): The robot is frozen")
-        assert "bea2 (hw): The robot did not answer within 2 s, so its state is not known" in done.stderr
-        assert "Not done, or not online: bea2 (hw)." in done.stderr
-        hung.close()
-        stage.node("bea2")  # the node returns, not frozen
-        assert len(waiting) == 1
-        line = "Not frozen, although others are: bea2 (hw)."
-        assert line in shell.good("top", "--once")
-        frozen = {row["robot"]: row["frozen"] for row in shell.json("top", "--once")["robots"]}
-        assert frozen == {"bea1": True, "bea2": False}
-        shell.good("freeze", "--who", "teacher")
-        assert line not in shell.good("top", "--once")
+def test_a_robot_that_freeze_did_not_reach_is_named_and_shown_as_not_frozen(alone: Stage) -> None:
+    shell = Shell(alone.endpoint)
+    alone.node("bea1")
+    waiting: list[Incoming] = []
+    hung = alone.client("bea2").bus  # a node that takes requests and does not answer
+    hung.declare_token(keys.alive("bea2", "hw"))
+    hung.serve(keys.lease("bea2", "hw", "*"), waiting.append)
+    done = shell.run("freeze", "--who", "teacher")
+    assert done.returncode != 0
+    assert done.stdout.startswith("bea1 (hw): The robot is frozen")
+    assert "bea2 (hw): The robot did not answer within 2 s, so its state is not known" in done.stderr
+    assert "Not done, or not online: bea2 (hw)." in done.stderr
+    hung.close()
+    alone.node("bea2")  # the node returns, not frozen
+    assert len(waiting) == 1
+    line = "Not frozen, although others are: bea2 (hw)."
+    assert line in shell.good("top", "--once")
+    frozen = {row["robot"]: row["frozen"] for row in shell.json("top", "--once")["robots"]}
+    assert frozen == {"bea1": True, "bea2": False}
+    shell.good("freeze", "--who", "teacher")
+    assert line not in shell.good("top", "--once")
 
 
 @pytest.mark.long("starts a robot twice")
-def test_a_robot_that_returns_without_a_mute_or_limit_of_the_others_is_named() -> None:
-    with Stage() as stage:
-        shell = Shell(stage.endpoint)
-        stage.node("bea1")
-        orders = ("mute", "cem"), ("limit", "20")
+def test_a_robot_that_returns_without_a_mute_or_limit_of_the_others_is_named(alone: Stage) -> None:
+    shell = Shell(alone.endpoint)
+    alone.node("bea1")
+    orders = ("mute", "cem"), ("limit", "20")
+    for order in orders:
+        shell.good(*order, "--who", "teacher")
+    alone.node("bea2")
+    lines = (
+        "cem is muted, but not at bea2 (hw). The teacher mutes it at all with `beatrix mute cem`.",
+        "The teacher's speed limits differ: bea1 (hw) 20°/s, bea2 (hw) none.",
+    )
+    for there in (True, False):
+        shown = shell.good("top", "--once")
+        assert [line in shown for line in lines] == [there, there]
         for order in orders:
             shell.good(*order, "--who", "teacher")
-        stage.node("bea2")
-        lines = (
-            "cem is muted, but not at bea2 (hw). The teacher mutes it at all with `beatrix mute cem`.",
-            "The teacher's speed limits differ: bea1 (hw) 20°/s, bea2 (hw) none.",
-        )
-        for there in (True, False):
-            shown = shell.good("top", "--once")
-            assert [line in shown for line in lines] == [there, there]
-            for order in orders:
-                shell.good(*order, "--who", "teacher")

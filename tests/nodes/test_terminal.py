@@ -105,18 +105,17 @@ def test_answers_that_a_program_has_not_read_are_not_given_to_the_next(port: Por
         assert program.readline() == b"ACK\n"
 
 
-def test_two_nodes_never_share_a_path(tmp_path: Path) -> None:
+def test_two_nodes_never_share_a_path(alone: Stage, tmp_path: Path) -> None:
     path = tmp_path / "COM4"
-    with Stage() as stage:
-        first = stage.hardware("bea", "virtual:", "--legacy", str(path))
-        second = stage.process(
-            "hw_node", "--connect", stage.endpoint, "--port", "virtual:", "--legacy", str(path)
-        )
-        assert second.wait() == 1
-        assert any("already exists" in line for line in second.lines)
-        assert path.exists()
-        first.end()
-        assert not path.is_symlink()
+    first = alone.hardware("bea", "virtual:", "--legacy", str(path))
+    second = alone.process(
+        "hw_node", "--connect", alone.endpoint, "--port", "virtual:", "--legacy", str(path)
+    )
+    assert second.wait() == 1
+    assert any("already exists" in line for line in second.lines)
+    assert path.exists()
+    first.end()
+    assert not path.is_symlink()
 
 
 def test_a_leftover_link_is_replaced_and_any_other_file_is_refused(tmp_path: Path) -> None:
