@@ -99,7 +99,8 @@ def voice() -> Vector:
     opens = np.clip(np.minimum(t_s - 0.08, 0.42 - t_s) / 0.04, 0.0, 1.0)
     hisses = np.clip(np.minimum(t_s, 0.1 - t_s) / 0.02, 0.0, 1.0)
     vowel: Vector = sum((np.sin(math.tau * k * turns) / k for k in range(1, 34)), start=np.zeros(length))
-    return opens * vowel / vowel.std() + (0.2 * hisses + 0.06 * opens) * hiss
+    said: Vector = opens * vowel / vowel.std() + (0.2 * hisses + 0.06 * opens) * hiss
+    return said
 
 
 GENERATORS: Final[dict[str, Callable[[], Vector]]] = {"clap": clap, "voice": voice, "noise": noise}
