@@ -6,7 +6,6 @@ take too much time or if physics steps are late. `Drawing` starts and ends this 
 
 from __future__ import annotations
 
-import logging
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -21,8 +20,6 @@ from beatrix_zenoh.node import CameraFrame, Component, Node, StatusFields, camer
 from sim_node import gl
 from sim_node.painter import SceneState
 from sim_node.renderer import HEIGHT, WIDTH, Renderer
-
-_log = logging.getLogger(__name__)
 
 
 class Drawing:
@@ -61,10 +58,9 @@ class Drawing:
                 begin_s, state = time.monotonic(), scene_state()
                 for view, jpeg in renderer.draw(state, views):
                     publish(view, CameraFrame(jpeg, WIDTH, HEIGHT, state.t_mono_ns, renderer.source))
-            except OSError as error:
+            except OSError:
                 with self._lock:
                     self._close()
-                _log.warning("The pictures of the eyes cannot be drawn: %s.", error)
                 raise
             return begin_s, (time.monotonic() - begin_s) * max(1, len(self._users))
 
