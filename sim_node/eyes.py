@@ -1,43 +1,25 @@
 """The cameras of the simulation: two eyes in the head, and a view from outside; drawn while a client subscribes.
 
 Physics has priority. A separate process draws at low priority from a copy of the state, and less often if drawing would
-take too much time or if physics steps are late. `Drawing` starts and ends this process, and handles its failures.
+take too much time or if physics steps are late. `Drawing` starts and ends this process, and closes it if it fails.
 """
 
 from __future__ import annotations
 
-import logging
 import threading
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Final
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import CameraStatus
 from beatrix_zenoh.contract._generated.robot import RobotData
 from beatrix_zenoh.node import Component, Node, SensorFrame, StatusFields, camera_publisher, picture
 from sim_node import gl
 from sim_node.painter import SceneState
-from sim_node.rays import RayPainter
 from sim_node.renderer import HEIGHT, WIDTH, Renderer
-
-GL_FAILURES: Final = 3
-"""After this many failures of OpenGL the pictures are drawn by ray casting."""
-_log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True)
-class Drawn:
-    """When a picture of each view was drawn."""
-
-    begin_s: float
-    end_s: float
-    robots: int
-    """number of robots that are watched at present"""
 
 
 class Drawing:
@@ -53,17 +35,6 @@ class Drawing:
         self._users: set[object] = set()
         """The robots that are watched."""
         self._renderer: Renderer | None = None
-        self._gl_failures = 0
-
-    @property
-    def steady(self) -> bool:
-        """Whether OpenGL has not failed repeatedly."""
-        return self._gl_failures < GL_FAILURES
-
-    @property
-    def source(self) -> str:
-        """The method of drawing: OpenGL if it works, else ray casting."""
-        return (gl.backend() if self.steady else None) or RayPainter.source
 
     def draw(
         self,
@@ -71,22 +42,27 @@ class Drawing:
         scene_state: Callable[[], SceneState],
         views: Sequence[str],
         publish: Callable[[str, SensorFrame], None],
-    ) -> Drawn:
+    ) -> tuple[float, float]:
         """Draw the scene of a robot from these views when it is its turn, and publish each picture.
 
+        Returns:
+            When that began (s), and how long it took (s), times the number of robots that are watched.
+
         Raises:
-            OSError: the process cannot be started, has ended or hangs; the next call starts another one.
+            OSError: there is no OpenGL, or the process cannot be started, has ended or hangs; the next call starts another
+                one.
         """
         with self._turn:
             try:
-                renderer = self._renderer or self._start(user)
+                renderer = self._renderer or self._open(user)
                 begin_s, state = time.monotonic(), scene_state()
                 for view, jpeg in renderer.draw(state, views):
                     publish(view, picture(jpeg, WIDTH, HEIGHT, state.t_mono_ns, renderer.source))
-            except OSError as error:
-                self._fail(user, error)
+            except OSError:
+                with self._lock:
+                    self._close()
                 raise
-            return Drawn(begin_s, time.monotonic(), max(1, len(self._users)))
+            return begin_s, (time.monotonic() - begin_s) * max(1, len(self._users))
 
     def begin(self, user: object) -> None:
         """Keep the process for a robot that is watched."""
@@ -100,8 +76,11 @@ class Drawing:
             if not self._users:
                 self._close()
 
-    def _start(self, user: object) -> Renderer:
-        renderer = Renderer(self._robot, self.source)
+    def _open(self, user: object) -> Renderer:
+        backend = gl.backend()
+        if backend is None:
+            raise OSError("this computer has no OpenGL")
+        renderer = Renderer(self._robot, backend)
         with self._lock:
             self._renderer = renderer
             if user not in self._users:  # `end` was called before this renderer was set
@@ -113,17 +92,6 @@ class Drawing:
         if self._renderer is not None:
             self._renderer.close()
         self._renderer = None
-
-    def _fail(self, user: object, error: OSError) -> None:
-        """Close a process that has failed or hangs, and count the failures of OpenGL."""
-        with self._lock:
-            self._close()
-            if user not in self._users or self.source == RayPainter.source:
-                return
-        self._gl_failures += 1
-        _log.warning(
-            "Drawing with OpenGL has failed (%s). %s", error, NO_RENDERER if self.steady else UNSTEADY
-        )
 
 
 SHARE: Final = 0.5
@@ -149,23 +117,18 @@ class FrameRate:
         self.period_s = self._requested_s
         """the present time between two pictures"""
 
-    @property
-    def slowed(self) -> bool:
-        """Whether the rate is below the requested one."""
-        return self.period_s > self._requested_s
-
     def wait_s(self, now_s: float) -> float:
         """Return the seconds until the next picture is due."""
         return max(0.0, self._due_s - now_s)
 
-    def drawn(self, begin_s: float, end_s: float, *, late: bool, robots: int = 1) -> None:
-        """Record how long a picture of each camera took to draw, and schedule the next.
+    def drawn(self, begin_s: float, took_s: float, *, late: bool) -> None:
+        """Record how long a picture of each camera of each robot took to draw, and schedule the next.
 
-        `late`: whether physics steps were late meanwhile; `robots`: number of robots that share the time for drawing.
+        `late`: whether physics steps were late meanwhile.
         """
         self._held_back = self._held_back * SLOWER if late else max(1.0, self._held_back * FASTER)
         self._held_back = min(self._held_back, SLOWEST_S / self._requested_s)
-        wanted = max(self._requested_s, (end_s - begin_s) * robots / SHARE) * self._held_back
+        wanted = max(self._requested_s, took_s / SHARE) * self._held_back
         self.period_s = max(self._requested_s, min(wanted, SLOWEST_S))
         # Count from the deadline, so that the mean rate is the requested one. Missed pictures are not drawn later.
         missed = self._due_s + self.period_s < begin_s
@@ -174,18 +137,13 @@ class FrameRate:
 
 IDLE_S: Final = 10.0
 """Time after the last subscriber until the drawing process ends."""
-RETRY_S: Final = 5.0
-"""Time between two attempts to start the process for ray casting."""
-COARSE: Final = (
-    "This computer has no OpenGL for the simulated eyes: their pictures are coarse and slow. On Debian and Ubuntu: "
-    "sudo apt install libegl1 libegl-mesa0 libgl1-mesa-dri; then restart the simulation."
+RETRY_S: Final = 1.0
+"""Time until the process is started again."""
+NO_OPENGL: Final = (
+    "This computer has no OpenGL for the simulated eyes, which see nothing. On Debian and Ubuntu: "
+    "sudo apt install libegl1 libegl-mesa0 libgl1-mesa-dri; then restart the simulation. MUJOCO_GL=egl or osmesa selects "
+    "the driver."
 )
-UNSTEADY: Final = (
-    "OpenGL has failed repeatedly: the pictures of the simulated eyes are coarse and slow until the simulation is "
-    "restarted. MUJOCO_GL=egl or osmesa selects the driver."
-)
-OUTSIDE_EVERY: Final = 3
-"""If the time does not suffice for all cameras, the outside view is drawn with every third picture of the eyes."""
 NO_RENDERER: Final = (
     "The process that draws the pictures cannot be started, has crashed, or hangs; it is restarted."
 )
@@ -218,7 +176,6 @@ class Eyes(Component):
             view: camera_publisher(keys.camera(node.name, node.side, view), node.events, "", self._wake.set)
             for view in names.VIEWS
         }
-        self._rounds = 0
         self._thread: threading.Thread | None = None
 
     def start(self, sessions: Sessions) -> None:
@@ -228,15 +185,9 @@ class Eyes(Component):
         self._thread = threads.start(self._run, "eyes")
 
     def contribute(self, status: StatusFields) -> None:
-        """Add both eyes and a warning about coarse pictures; the outside view is not a camera of the robot."""
+        """Add both eyes; the outside view is not a camera of the robot."""
         for eye in names.EYES:
             self._publishers[eye].contribute(status)
-        views = [publisher.state() for publisher in self._publishers.values()]
-        if any(
-            isinstance(view, CameraStatus) and view.streaming and view.source == RayPainter.source
-            for view in views
-        ):
-            status.warnings.append(COARSE if self._drawing.steady else UNSTEADY)
 
     def _run(self) -> None:
         watched = False
@@ -251,21 +202,14 @@ class Eyes(Component):
             elif not self._closed.wait(self._rate.wait_s(time.monotonic())):
                 self._drawing.begin(self)
                 watched = True
-                self._draw(self._select(subscribed))
+                self._draw(subscribed)
         self._drawing.end(self)
-
-    def _select(self, subscribed: list[str]) -> list[str]:
-        """Return the views to draw now: all, or only the eyes if the outside view would slow them."""
-        self._rounds += 1
-        if self._rate.slowed and self._rounds % OUTSIDE_EVERY:
-            return [view for view in subscribed if view in names.EYES] or subscribed
-        return subscribed
 
     def _draw(self, views: list[str]) -> None:
         """Draw and publish the present scene from these views."""
         late_before = self._late_steps()
         try:
-            drawn = self._drawing.draw(
+            begin_s, took_s = self._drawing.draw(
                 self,
                 self._scene_state,
                 views,
@@ -273,12 +217,12 @@ class Eyes(Component):
             )
         except OSError:  # the next picture starts a new process
             if not self._closed.is_set():
-                self._report(NO_RENDERER)
-                self._closed.wait(RETRY_S if self._drawing.source == RayPainter.source else 0.0)
+                self._report(NO_OPENGL if gl.backend() is None else NO_RENDERER)
+                self._closed.wait(RETRY_S)
         else:
             self._report("")
             late = self._late_steps() > late_before
-            self._rate.drawn(drawn.begin_s, drawn.end_s, late=late, robots=drawn.robots)
+            self._rate.drawn(begin_s, took_s, late=late)
 
     def _report(self, trouble: str) -> None:
         for eye in names.EYES:

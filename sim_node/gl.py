@@ -12,7 +12,7 @@ from typing import Final
 import mujoco
 import numpy as np
 
-from sim_node.painter import Image, Painter
+from sim_node.painter import Image, PosedModel
 from sim_node.piped_process import environment
 
 _BACKENDS: Final = {"linux": ("egl", "osmesa"), "darwin": ("cgl",), "win32": ("glfw",)}
@@ -60,8 +60,8 @@ def _works(name: str) -> bool:
     return probe.returncode == 0
 
 
-class GlPainter(Painter):
-    """Draws with OpenGL."""
+class GlPainter(PosedModel):
+    """Draws a model from its cameras; created, used and closed in one thread."""
 
     def __init__(
         self, spec: mujoco.MjSpec, width: int, height: int, *, name: str, shadows: bool, samples: int
@@ -71,7 +71,6 @@ class GlPainter(Painter):
         os.environ.setdefault("LP_NUM_THREADS", "0")
         model = spec.compile()
         super().__init__(model)
-        self.source = name
         self._context = importlib.import_module(f"mujoco.{name}").GLContext(width, height)
         self._context.make_current()
         model.vis.global_.offwidth, model.vis.global_.offheight = width, height

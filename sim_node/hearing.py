@@ -83,39 +83,22 @@ def clap() -> Vector:
     return samples
 
 
-VOWELS: Final = (
-    (730.0, 1090.0, 2440.0),
-    (530.0, 1840.0, 2480.0),
-    (270.0, 2290.0, 3010.0),
-    (570.0, 840.0, 2410.0),
-)
-"""Formants (Hz) of the vowels a, e, i, o, after Peterson and Barney, 1952."""
 SYLLABLE_S: Final = 0.5
 PITCH_HZ: Final = 120.0
 
 
 def voice() -> Vector:
-    """Return two seconds of a voice that says `sa se si so`."""
+    """Return half a second of a voice that says `sa`."""
     length = round(SYLLABLE_S * RATE)
     hiss = _noise(length, 2000.0, 12_000.0, SEED + 2)
     t_s = np.arange(length) / RATE
-    # A pitch that falls a little, as in speech, in whole periods, so that the syllables can be repeated.
+    # A pitch that falls a little, as in speech, in whole periods, so that the syllable can be repeated.
     turns = PITCH_HZ * (t_s + 0.03 * np.sin(math.tau * t_s / SYLLABLE_S) / 3)
     opens = np.clip(np.minimum(t_s - 0.08, 0.42 - t_s) / 0.04, 0.0, 1.0)
     hisses = np.clip(np.minimum(t_s, 0.1 - t_s) / 0.02, 0.0, 1.0)
-    breath = 0.2 * hisses * hiss + 0.06 * opens * hiss
-    return np.concatenate([opens * _vowel(turns, formants) + breath for formants in VOWELS])
-
-
-def _vowel(turns: Vector, formants: tuple[float, ...]) -> Vector:
-    """Return the sum of the harmonics of a pitch, loud near the formants; `turns` are periods of the pitch."""
-    samples: Vector = np.zeros(len(turns))
-    for number in range(1, 34):
-        hz = number * PITCH_HZ
-        loud = sum(1 / (1 + ((hz - peak) / 90.0) ** 2) / rank for rank, peak in enumerate(formants, 1))
-        samples += (loud + 0.02) * np.sin(math.tau * number * turns)
-    samples /= samples.std()
-    return samples
+    vowel: Vector = sum((np.sin(math.tau * k * turns) / k for k in range(1, 34)), start=np.zeros(length))
+    said: Vector = opens * vowel / vowel.std() + (0.2 * hisses + 0.06 * opens) * hiss
+    return said
 
 
 GENERATORS: Final[dict[str, Callable[[], Vector]]] = {"clap": clap, "voice": voice, "noise": noise}

@@ -1,9 +1,8 @@
-"""Drawing the scene: its state, the model without physics, and what all painters have."""
+"""Drawing the scene: its state, and the model without physics."""
 
 from __future__ import annotations
 
 import math
-from abc import abstractmethod
 from dataclasses import dataclass
 from typing import Final
 
@@ -59,17 +58,3 @@ class PosedModel:
         hidden = (self.model.geom_bodyid == carrier) & (carrier != _WORLD)
         groups: npt.NDArray[np.integer] = np.where(hidden, COLLISION, self._groups)
         return groups
-
-
-class Painter(PosedModel):
-    """Draws a model from its cameras; created, used and closed in one thread."""
-
-    source: str
-    """the method of drawing: `egl`, `osmesa`, `cgl`, `glfw` or `rays`"""
-
-    @abstractmethod
-    def paint(self, camera: str) -> Image:
-        """Draw the picture from the camera of this name."""
-
-    def close(self) -> None:
-        """Free all resources."""

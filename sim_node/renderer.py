@@ -22,21 +22,15 @@ import simplejpeg
 
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.robot import RobotData
-from beatrix_zenoh.lettering import cells
 from sim_node.gl import GlPainter
 from sim_node.model import eye_scene
-from sim_node.painter import Image, Painter, SceneState
+from sim_node.painter import SceneState
 from sim_node.piped_process import NICE, OPENING_S, READY, PipedProcess
-from sim_node.rays import RayPainter
 
 WIDTH: Final = 640
 HEIGHT: Final = 480
 QUALITY: Final = 80
 """Quality of the JPEG pictures, percent."""
-CELL: Final = 4
-"""Side (px) of the squares of a picture without OpenGL; both eyes get ten pictures a second, and three with
-1 px."""
-BADGE: Final = "NO OPENGL"
 PICTURE_S: Final = 5.0
 """Longest wait for a picture after the first: a hundred times what a slow computer needs."""
 
@@ -49,7 +43,7 @@ class Renderer:
     """Draws in a subprocess. One thread draws; any thread may call `close`."""
 
     def __init__(self, robot: RobotData, source: str) -> None:
-        """Start the process; `source` is a backend of OpenGL, or `rays`. Raises OSError if it cannot be started."""
+        """Start the process; `source` is a backend of OpenGL. Raises OSError if it cannot be started."""
         self.source = source
         self._limit_s = OPENING_S  # OpenGL drivers compile shaders for the first picture
         self._process = PipedProcess("sim_node.renderer", robot, source)
@@ -75,29 +69,14 @@ class Renderer:
         self._process.close()
 
 
-def open_painter(robot: RobotData, source: str) -> Painter:
+def open_painter(robot: RobotData, source: str) -> GlPainter:
     """Create a painter of the views, for use in the calling thread."""
-    if source == RayPainter.source:
-        return RayPainter(eye_scene(robot), WIDTH, HEIGHT, cell=CELL)
     return GlPainter(eye_scene(robot), WIDTH, HEIGHT, name=source, shadows=False, samples=0)
 
 
-def paint_view(painter: Painter, view: str) -> Image:
-    """Draw the picture of one of `names.VIEWS`; a picture drawn by ray casting has a badge."""
+def picture(painter: GlPainter, view: str) -> bytes:
+    """Draw the picture of one of `names.VIEWS`, and return it as a JPEG file."""
     image = painter.paint(f"eye_{view}" if view in names.EYES else view)
-    if painter.source == RayPainter.source:
-        stamp(image)
-    return image
-
-
-def stamp(image: Image, size: int = 3) -> None:
-    """Write BADGE into the lower left corner of an image, dark on yellow; a cell of a letter has `size` px."""
-    ink = np.pad(cells(BADGE)[:, :-1], 2).repeat(size, axis=0).repeat(size, axis=1)
-    image[-ink.shape[0] :, : ink.shape[1]] = np.where(ink[..., None], (30, 20, 10), (255, 214, 10))
-
-
-def encode(image: Image) -> bytes:
-    """Encode an image as a JPEG file."""
     jpeg: bytes = simplejpeg.encode_jpeg(
         np.ascontiguousarray(image), quality=QUALITY, colorspace="RGB", colorsubsampling="420"
     )
@@ -118,7 +97,7 @@ def main(words: Sequence[str]) -> None:
         x, y, z = numbers[_POSTURE:]
         painter.pose(np.array(numbers[:_POSTURE]), (x, y, z))
         for view in itertools.compress(names.VIEWS, wanted):
-            jpeg = encode(paint_view(painter, view))
+            jpeg = picture(painter, view)
             pictures.write(_LENGTH.pack(len(jpeg)) + jpeg)
             pictures.flush()
         if not lowered:  # only after the first picture, because a client waits for it

@@ -18,7 +18,7 @@ from beatrix_zenoh.node import QueryThread
 from beatrix_zenoh.node.sensors import FULL_SCALE, RATE
 from sim_node.hearing import GENERATORS, PlayingSound, Samples, generated
 from sim_node.shapes import Point
-from sim_node.target import BOUNDS, check_room, told
+from sim_node.target import BOUNDS, check_room, refused, told
 
 SILENCE, SAMPLES = "silence", "samples"
 NAMES: Final = (*GENERATORS, SAMPLES, SILENCE)
@@ -157,10 +157,6 @@ def sound_queries(name: str, source: SoundSource) -> QueryThread:
 
 def reply(source: SoundSource, raw: RawQuery, attachment: bytes) -> SoundReply:
     """Carry out the query if there is one, and return what plays where."""
-    refusal: BeatrixError | None = None
-    if raw.payload or raw.parameters:
-        try:
-            source.change(query_forms.read(raw, SoundQuery), samples_of(attachment))
-        except BeatrixError as error:
-            refusal = error
-    return source.reply(refusal)
+    return source.reply(
+        refused(raw, lambda: source.change(query_forms.read(raw, SoundQuery), samples_of(attachment)))
+    )

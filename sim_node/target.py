@@ -129,16 +129,20 @@ def change(target: PersonTarget, query: TargetQuery, now_s: float) -> None:
 
 def reply(target: PersonTarget, raw: RawQuery, now_s: float) -> TargetReply:
     """Set the place if the query contains one, and return the place at `now_s` (the target's clock)."""
-    refusal: BeatrixError | None = None
-    if raw.payload or raw.parameters:
-        try:
-            query = query_forms.read(raw, TargetQuery)
-            change(target, query, now_s)
-        except BeatrixError as error:
-            refusal = error
+    refusal = refused(raw, lambda: change(target, query_forms.read(raw, TargetQuery), now_s))
     x, y, z = target.place(now_s)
     reason, message, detail = told(refusal)
     return TargetReply(result=refusal is None, reason=reason, message=message, x=x, y=y, z=z, detail=detail)
+
+
+def refused(raw: RawQuery, carry_out: Callable[[], None]) -> BeatrixError | None:
+    """Carry out a query, and return why it was refused, if it was; one without contents only asks."""
+    if raw.payload or raw.parameters:
+        try:
+            carry_out()
+        except BeatrixError as error:
+            return error
+    return None
 
 
 def told(refusal: BeatrixError | None) -> tuple[Reason, str, Detail | None]:

@@ -10,7 +10,6 @@ import os
 import signal
 import sys
 import threading
-import time
 from collections.abc import Callable
 from typing import Final
 
@@ -85,21 +84,14 @@ _CAMERA: Final = ((0.12, 0.0, -0.04), 1.5, 142.0, -16.0)
 """Point that the camera looks at (m), its distance from that point (m), azimuth and elevation (deg)."""
 
 
-class StateReader:
-    """Reads states and keeps the newest."""
+LONGEST: Final = 65536
+"""Largest input (bytes) that is read at once."""
 
-    def __init__(self, length: int) -> None:
-        """Start reading states of `length` numbers."""
-        self._bytes = 8 * length
-        self.newest: Vector | None = None
-        self.ended = False
-        threading.Thread(target=self._run, daemon=True).start()
 
-    def _run(self) -> None:
-        with os.fdopen(STDIN, "rb") as stream:
-            while len(state := stream.read(self._bytes)) == self._bytes:
-                self.newest = np.frombuffer(state)
-        self.ended = True
+def newest(data: bytes, length: int) -> tuple[Vector | None, bytes]:
+    """Return the last whole state of `length` numbers in the input, None if there is none, and what follows it."""
+    whole = len(data) // (8 * length) * 8 * length
+    return (np.frombuffer(data[:whole])[-length:] if whole else None), data[whole:]
 
 
 def add_mechanism(spec: mujoco.MjSpec, robot: RobotData = ROBOT) -> None:
@@ -128,20 +120,19 @@ def main(words: list[str]) -> int:
     spec = scene_spec(robot)
     add_mechanism(spec, robot)
     posed = PosedModel(spec.compile())
-    states = StateReader(posed.model.nq + 3)
+    data = b""
     with mujoco.viewer.launch_passive(
         posed.model, posed.data, show_left_ui=False, show_right_ui=False
     ) as viewer:
         viewer.cam.lookat, viewer.cam.distance, viewer.cam.azimuth, viewer.cam.elevation = _CAMERA
         os.write(STDOUT, READY)
-        while viewer.is_running() and not states.ended:
-            state = states.newest
+        while viewer.is_running() and (received := os.read(STDIN, LONGEST)):
+            state, data = newest(data + received, posed.model.nq + 3)
             with viewer.lock():
                 show_through(posed.model, through=bool(viewer.opt.geomgroup[MECHANISM]))
                 if state is not None:
                     posed.pose(state[:-3], (float(state[-3]), float(state[-2]), float(state[-1])))
             viewer.sync()
-            time.sleep(PERIOD_S)
     return 0
 
 

@@ -15,7 +15,7 @@ from sim_node.gl import GlPainter
 from sim_node.model import eye_scene
 from sim_node.painter import PosedModel
 from sim_node.plant import Plant
-from sim_node.renderer import encode
+from sim_node.renderer import picture
 
 FOLDER: Final = Path(__file__).resolve().parents[1] / "beatrix_zenoh/lessons/library/09-follow-the-face/files"
 WIDTH: Final = 160
@@ -53,7 +53,7 @@ def main() -> None:
     for number, (place, (yaw, pitch)) in enumerate(SCENES, start=1):
         plant.place(neck.inverse(math.radians(yaw), math.radians(pitch), 0.0))
         painter.pose(plant.posture(), place)
-        (FOLDER / f"{number:02d}.jpg").write_bytes(encode(painter.paint("eye_left")))
+        (FOLDER / f"{number:02d}.jpg").write_bytes(picture(painter, "left"))
         posed.pose(plant.posture(), place)
         camera = posed.model.camera("eye_left").id
         seen = posed.data.cam_xmat[camera].reshape(3, 3).T @ (

@@ -70,10 +70,7 @@ def film_frame(path: Path, moment_s: float) -> bytes:
     frames = side_by_side(table, NAME, eyes)
     frame = next(frame for frame in frames if frame.time_ns >= moment_s * 1e9)
     picture = io.BytesIO()
-    reduced = Image.fromarray(frame.pixels).quantize(
-        256, Image.Quantize.MAXCOVERAGE, kmeans=5, dither=Image.Dither.NONE
-    )
-    reduced.save(picture, "PNG", optimize=True)
+    Image.fromarray(frame.pixels).quantize(256, dither=Image.Dither.NONE).save(picture, "PNG", optimize=True)
     return picture.getvalue()
 
 

@@ -1,4 +1,4 @@
-"""Pictures of the simulated robot for tools and tests, drawn with OpenGL or by ray casting."""
+"""Pictures of the simulated robot for tools and tests, drawn with OpenGL."""
 
 from __future__ import annotations
 
@@ -14,15 +14,14 @@ from studio import CAMERA, studio
 from beatrix_zenoh.motion.gear import Arms
 from sim_node import gl
 from sim_node.gl import GlPainter
-from sim_node.painter import Image, Painter
+from sim_node.painter import Image
 from sim_node.plant import Plant
-from sim_node.rays import RayPainter
 from sim_node.viewer import MECHANISM, SKIN_OPACITY, add_mechanism
 from sim_node.visuals import MATERIALS, VISUAL
 
 _SAMPLES: Final = 4
 _OVERSAMPLING: Final = 2
-"""Pictures are drawn larger by this factor, which smooths all edges, also with ray casting."""
+"""Pictures are drawn larger by this factor, which smooths all edges."""
 
 
 def picture(arms: Arms, width: int, height: int, spec: mujoco.MjSpec | None = None) -> Image:
@@ -40,10 +39,10 @@ def picture(arms: Arms, width: int, height: int, spec: mujoco.MjSpec | None = No
         painter.close()
 
 
-def _painter(spec: mujoco.MjSpec, width: int, height: int) -> Painter:
+def _painter(spec: mujoco.MjSpec, width: int, height: int) -> GlPainter:
     name = gl.backend()
     if name is None:
-        return RayPainter(spec, width, height)
+        raise OSError("this computer has no OpenGL")
     return GlPainter(spec, width, height, name=name, shadows=True, samples=_SAMPLES)
 
 

@@ -7,7 +7,6 @@ rotates. Names are those of the model. Each arm's motor, ring, link and axes of 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from functools import lru_cache
 from typing import Final, NamedTuple
 
@@ -176,8 +175,6 @@ AXIS_LENGTH: Final = 0.105
 """Length of the elbows' and mounts' axes, from the neck centre on."""
 HEAD_AXIS: Final = 0.24
 LINK_RADIUS: Final = 0.0042
-ROD_PARTS: Final = 6
-"""Number of straight pieces that form the arc of the mechanism's rods."""
 
 
 @lru_cache(maxsize=16)
@@ -209,7 +206,7 @@ def mechanism(figure: Figure, *, fine: bool = False) -> tuple[Mesh, ...]:
         ring, post = (0.0, 0.0, height), direction(azimuth, SIZES.post_radius, height)
         model.cylinder(arm, ring, UP, (SIZES.ring_radius, 0.003), colour)
         model.tube(arm, [ring, post, scaled(elbow, reach)], LINK_RADIUS, colour)
-        model.tube(rod, [scaled(point, reach) for point in arc(elbow, mount)], LINK_RADIUS, COLOURS.rod)
+        model.rod(rod, (elbow, mount), reach, (2 * LINK_RADIUS, 2 * LINK_RADIUS), COLOURS.rod)
         model.tube("head", [scaled(mount, radius), (0.0, 0.0, radius)], LINK_RADIUS, COLOURS.black)
         for body, axis, distance in ((arm, elbow, reach), (rod, mount, radius)):
             model.cylinder(body, scaled(axis, distance), axis, (0.0095, 0.013), colour)
@@ -300,14 +297,3 @@ def _side(model: Modeller, figure: Figure, side: float) -> None:
     model.cylinder("head", ear, out, (0.023, 0.012), COLOURS.trim)
     model.cylinder("head", ear, out, (0.016, 0.016), COLOURS.rod)
     model.cylinder("head", ear, out, (0.007, 0.019), COLOURS.trim)
-
-
-def arc(start: Vector, end: Vector) -> Sequence[Vector]:
-    """Return points on the great circle between two unit vectors, both included."""
-    angle = math.acos(max(-1.0, min(1.0, dot(start, end))))
-    points = []
-    for index in range(ROD_PARTS + 1):
-        a, b = math.sin((1 - index / ROD_PARTS) * angle), math.sin(index / ROD_PARTS * angle)
-        x, y, z = ((a * s + b * e) / math.sin(angle) for s, e in zip(start, end, strict=True))
-        points.append((x, y, z))
-    return points

@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from beatrix_zenoh.body.surface import Floats, Mesh, triangles
+from beatrix_zenoh.body.surface import Floats, Mesh
 
 LOOKED_AT: Final = 0.055
 """Height (m, from the neck centre) of the middle of the picture."""
@@ -28,8 +28,6 @@ OVERLAP_PX: Final = 0.7
 """By how much each face is enlarged, so that no ground shows between neighbours."""
 LIFT: Final = 0.006
 """By how much (m) the parts on the skull count as nearer when faces are sorted; the last ones twice as much."""
-DEPTH_M: Final = 2e-5
-"""Resolution of depths in pictures (m)."""
 HULL: Final = 60
 """Number of directions of an outline."""
 Whole = npt.NDArray[np.int64]
@@ -167,75 +165,6 @@ def _shaded(colours: npt.NDArray[np.uint8], bright: Floats) -> Whole:
     red, green, blue = np.clip(colours * steps[:, None], 0, 255).astype(np.int64).T
     shaded: Whole = (red << 16) | (green << 8) | blue
     return shaded
-
-
-def rendered(
-    meshes: tuple[Mesh, ...], turns: dict[str, Floats], screen: Screen, ground: tuple[int, int, int]
-) -> npt.NDArray[np.uint8]:
-    """Return a picture of smooth surfaces with exact depths, (height, width, 3): slower than `draw` and painting.
-
-    Args:
-        meshes: the robot.
-        turns: rotation of each body, as from `Figure.orientations`.
-        screen: camera and size of the picture, whole numbers of pixels.
-        ground: red, green, blue of the ground.
-    """
-    light = np.array(LIGHT) / np.linalg.norm(LIGHT) @ screen.camera.axes
-    corners, colours = [], []
-    for mesh in meshes:
-        turn = turns[mesh.path]
-        at = np.column_stack((screen.place(_turned(mesh.points, turn)), _lit(mesh.normals @ (light @ turn))))
-        found = triangles(mesh.faces)
-        corners.append(at[found])
-        colours.append(mesh.colours[found[:, 0]])
-    height, width = round(screen.height), round(screen.width)
-    picture = np.empty((height * width, 3), np.uint8)
-    picture[:] = ground
-    places, depths, shades, owners = _pixels(np.concatenate(corners), width, height)
-    # Of a repeated place the last one counts, the nearest. In steps of 20 µm, depths are sorted ten times as fast.
-    order = np.argsort((depths / DEPTH_M).astype(np.int16), kind="stable")
-    picture[places[order]] = shades[order, None] * np.concatenate(colours)[owners[order]]
-    return picture.reshape(height, width, 3)
-
-
-def _pixels(corners: Floats, width: int, height: int) -> tuple[Whole, Floats, Floats, Whole]:
-    """Return place, depth, brightness and triangle of each pixel of the triangles that are turned to the viewer.
-
-    Args:
-        corners: (k, 3, 4): x, y (px), depth and brightness of the corners of triangles.
-        width: of the picture (px).
-        height: of the picture (px).
-    """
-    ways = corners[:, 1:, :2] - corners[:, :1, :2]
-    front = np.linalg.det(ways) < -1e-9  # y points down
-    corners = corners[front]
-    # The weights of the corners at a point, and so depth and brightness, are linear in x and y: (k, 3, 3) for x, y, 1.
-    weights = np.linalg.inv(
-        np.concatenate((corners[..., :2], np.ones_like(corners[..., :1])), axis=2)
-    ).swapaxes(1, 2)
-    planes = np.einsum("kcv,kcx->vkx", corners[..., 2:], weights)
-    top, bottom = (end(corners[..., 1], axis=1).clip(0, height) for end in (np.min, np.max))
-    row, y = _spread(np.floor(top), np.ceil(bottom))
-    edges = weights[row]
-    rest = edges[..., 1] * (y + 0.5)[:, None] + edges[..., 2]
-    slope = np.where(edges[..., 0] == 0, 1e-300, edges[..., 0])
-    ends = -rest / slope
-    left = np.where(slope > 1e-300, ends, 0.0).max(axis=1).clip(0, width)
-    right = np.where(slope < 0, ends, width).min(axis=1).clip(0, width)
-    pixel, x = _spread(np.ceil(left - 0.5), np.floor(right + 0.5))
-    y, owner = y[pixel], row[pixel]
-    depth, shade = (
-        plane[owner, 0] * (x + 0.5) + plane[owner, 1] * (y + 0.5) + plane[owner, 2] for plane in planes
-    )
-    return y * width + x, depth, shade, np.flatnonzero(front)[owner]
-
-
-def _spread(begins: Floats, ends: Floats) -> tuple[Whole, Whole]:
-    """Return all whole numbers of ranges, without the ends, and before them the index of the range of each."""
-    counts = (ends - begins).clip(0).astype(np.int64)
-    owner = np.repeat(np.arange(len(counts)), counts)
-    steps = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
-    return owner, begins[owner].astype(np.int64) + steps
 
 
 def _lit(bright: Floats) -> Floats:

@@ -8,8 +8,6 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from importlib import util
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -19,14 +17,14 @@ import typer
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.files import new_file
-from beatrix_zenoh.output import FAILED, note, print_json, progress_bar, say, typed
+from beatrix_zenoh.output import FAILED, note, print_json, say, typed
 from beatrix_zenoh.processes import Role, Supervisor, advice, end_on_interrupt, watch
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import signals_interrupt
 from beatrix_zenoh.terminal.options import Json
 
 if TYPE_CHECKING:
-    from beatrix_zenoh.client.choreography import Choreography, Step
+    from beatrix_zenoh.client.choreography import Step
 
 ROBOT = "demo"
 RECORDING, PLOT = "demo.rrd", "demo.png"
@@ -120,14 +118,10 @@ def perform(supervisor: Supervisor, settings: Settings) -> Path | None:
     Raises:
         Refused, Interrupted, NoAnswer: from the first step that failed.
     """
-    from beatrix_zenoh.client.choreography import (
-        play,
-        shipped,
-    )  # here, because `beatrix --help` imports this module
+    from beatrix_zenoh.client.choreography import play, shipped  # here: `beatrix --help` imports this module
     from beatrix_zenoh.client.twin import Twin
 
     path, recorder = supervisor.folder / RECORDING, None
-    choreography = shipped("demo")
     with Twin(ROBOT, connect=settings.connect, who=settings.who) as twin:
         twin.make_ready()
         if util.find_spec("rerun") is None:
@@ -136,30 +130,20 @@ def perform(supervisor: Supervisor, settings: Settings) -> Path | None:
             where = ("--name", ROBOT, "--connect", settings.connect)
             recorder = supervisor.start("recorder", "record", str(path), *where)
             supervisor.wait_ready()
-        with progress(choreography) as show_step:
-            time.sleep(SETTLE_S)
-            play(twin, choreography, show_step)
-            time.sleep(SETTLE_S)
+        titles: list[str] = []
+
+        def show(title: str, _pose: Step) -> None:
+            if title not in titles:
+                note(f"Both: {title}.")
+            titles.append(title)
+
+        time.sleep(SETTLE_S)
+        play(twin, shipped("demo"), show)
+        time.sleep(SETTLE_S)
     if recorder is None:
         return None
     supervisor.finish(recorder)
     return path
-
-
-@contextmanager
-def progress(choreography: Choreography) -> Iterator[Callable[[str, Step], None]]:
-    """Yield a function that shows a step: in a bar or, if stderr is not a terminal, as a note for each new title."""
-    with progress_bar("Both", len(choreography.steps)) as bar:
-        titles: list[str] = []
-
-        def show_step(title: str, pose: Step) -> None:
-            if bar is not None:
-                bar(len(titles), f"{title:<12} {pose}")
-            elif title not in titles:
-                note(f"Both: {title}.")
-            titles.append(title)
-
-        yield show_step
 
 
 def compared(out: Path, *, as_json: bool) -> bool:

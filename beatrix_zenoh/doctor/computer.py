@@ -130,9 +130,8 @@ def graphics() -> CheckResult:
         return CheckResult("graphics", f"OpenGL works ({name})")
     return CheckResult(
         "graphics",
-        "OpenGL does not work: simulations draw the pictures of the eyes by ray casting, at a lower resolution",
-        advice="for full resolution: on Linux apt install libegl1 libgl1-mesa-dri, or update the graphics driver; unset "
-        "MUJOCO_GL if it is set",
+        "OpenGL does not work: the eyes of simulations see nothing",
+        advice="on Linux apt install libegl1 libgl1-mesa-dri, or update the graphics driver; unset MUJOCO_GL if it is set",
     )
 
 

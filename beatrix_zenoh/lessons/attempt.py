@@ -15,14 +15,12 @@ from __future__ import annotations
 
 import math
 import re
-import subprocess
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Self
 
-import msgspec
 import numpy as np
 import numpy.typing as npt
 
@@ -32,8 +30,8 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lessons import bench, slips
 from beatrix_zenoh.lessons.bench import Bench, Course
-from beatrix_zenoh.lessons.function_child import ALARM_CODE, SLOWER
-from beatrix_zenoh.lessons.guarded import Guarded, LineChild, NoReply, Run
+from beatrix_zenoh.lessons.function_child import ALARM_CODE, SLOWER, Reply, plain
+from beatrix_zenoh.lessons.guarded import LineChild, NoReply, Run
 from beatrix_zenoh.lessons.phrases import ErrorData, NotMeasurable, Phrase, Still, Unmet, busy, phrase, shown
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.sandbox import Sandbox, scratch
@@ -65,7 +63,6 @@ class Attempt:
         program: Program,
         *,
         limit_s: float,
-        stage: Stage | None = None,
         keep: Path | None = None,
         tell: Callable[[Phrase], None] = lambda _: None,
     ) -> None:
@@ -74,12 +71,10 @@ class Attempt:
         Args:
             program: the pupil's program.
             limit_s: longest time of the program with a robot (s).
-            stage: a stage that runs already, to use where it fits; None: each run starts its own.
             keep: record the robots of a run to this file, which is overwritten; None: record nothing.
             tell: is called with sentences about a check that takes long.
         """
-        self._program, self._limit_s, self._given, self._keep = program, limit_s, stage, keep
-        self._tell = tell
+        self._program, self._limit_s, self._keep, self._tell = program, limit_s, keep, tell
         self._shared: Stage | None = None
         self._open = ExitStack()
         self._functions: LineChild | None = None
@@ -150,58 +145,37 @@ class Attempt:
     def value(self, function: str, *arguments: object) -> object:
         """As `call`, for a function that returns anything that JSON can hold."""
         child = self._child()
+        request = {"function": function, "arguments": [plain(one) for one in arguments], "limit_s": CALL_S}
         own = phrase("function", name=function)
-        request = {"function": function, "arguments": [_plain(one) for one in arguments], "limit_s": CALL_S}
-        began_s = time.monotonic()
-        try:
-            reply = child.ask(request, PATIENCE * CALL_S)
-        except NoReply as error:
-            raise _without_reply(error, began_s, CALL_S, own) from None
-        if "missing" in reply:
-            found = reply["missing"]
-            names = ", ".join(map(str, found)) if isinstance(found, list) and found else phrase("none")
-            raise Unmet("function", function=function, names=names)
-        if "error" in reply:
-            failed, where = _error(reply), self._where(reply)
-            if failed.reason is Reason.NO_ROUTER:
+        reply = _answer(lambda: child.ask(request, PATIENCE * CALL_S), CALL_S, own)
+        where = self._program.where(reply.line)
+        if reply.missing is not None:
+            raise Unmet("function", function=function, names=", ".join(reply.missing) or phrase("none"))
+        if reply.error is not None:
+            if reply.error.reason is Reason.NO_ROUTER:
                 raise Unmet("calculates", function=function, where=where)
             given = ", ".join(str(one) for one in arguments)
             if len(given) < 60:
                 where = phrase("call", call=f"{function}({given})", where=where)
-            raise Unmet(_failure(failed, "runs"), error=failed, where=where)
-        if "odd" in reply:
-            raise Unmet("returns", function=function, value=reply["odd"], wanted=phrase("numbers"))
-        self.used_s = float(str(reply["used_s"]))
-        return reply["value"]
+            raise Unmet(_failure(reply.error, "runs"), error=reply.error, where=where)
+        if reply.odd:
+            raise Unmet("returns", function=function, value=reply.odd, wanted=phrase("numbers"))
+        self.used_s = reply.used_s
+        return reply.value
 
     def _child(self) -> LineChild:
         """Return the child process that has imported the pupil's file."""
         if self._functions is None:
-            words = ("-P", "-m", "beatrix_zenoh.lessons.function_child", str(self._file), str(IMPORT_S))
-            guarded = Guarded(
-                self._sandbox,
-                list(words),
-                {"BEATRIX_CONNECT": NO_ROUTER},
-                requests=True,
-                stderr=subprocess.DEVNULL,
-            )
-            child = LineChild(guarded.process, guarded.requests, guarded.end)
+            words = ["-P", "-m", "beatrix_zenoh.lessons.function_child", str(self._file), str(IMPORT_S)]
+            child = LineChild(self._sandbox, words, {"BEATRIX_CONNECT": NO_ROUTER})
             self._open.callback(child.close)
-            what, began_s = phrase("import"), time.monotonic()
-            try:
-                reply = child.reply(PATIENCE * IMPORT_S)
-            except NoReply as error:
-                raise _without_reply(error, began_s, IMPORT_S, what) from None
-            if "error" in reply:
-                failed = _error(reply)
-                figure = _failure(failed, "import" if failed.reason is Reason.NO_ROUTER else "runs")
-                raise Unmet(figure, error=failed, where=self._where(reply))
+            reply = _answer(lambda: child.reply(PATIENCE * IMPORT_S), IMPORT_S, phrase("import"))
+            if reply.error is not None:
+                figure = "import" if reply.error.reason is Reason.NO_ROUTER else "runs"
+                where = self._program.where(reply.line)
+                raise Unmet(_failure(reply.error, figure), error=reply.error, where=where)
             self._functions = child
         return self._functions
-
-    def _where(self, reply: dict[str, object]) -> Phrase | str:
-        line = reply.get("line")
-        return self._program.where(line if isinstance(line, int) else None)
 
     # -- bench ----------------------------------------------------------------------------------
 
@@ -239,10 +213,7 @@ class Attempt:
             )
             return value
 
-        try:
-            return bench.run(plant, call, result, seconds, course, delay_s, self._tell)
-        finally:
-            plant.close()
+        return bench.run(plant, call, result, seconds, course, delay_s, self._tell)
 
     # -- observed -------------------------------------------------------------------------------
 
@@ -324,14 +295,8 @@ class Attempt:
     def _stage(
         self, running: ExitStack, robots: tuple[str, ...], path: str, robot_file: Path | None
     ) -> Stage:
-        """Return a stage with these robots: the shared or the given one if it fits, otherwise a new one in `running`."""
-        wanted = robots, path, robot_file
-        for stage in (self._shared, self._given):
-            if stage is not None and (stage.names, stage.path, stage.robot_file) == wanted:
-                if stage is self._given:
-                    stage.tidy()
-                return stage
-        return running.enter_context(Stage(*wanted, self._tell))
+        """Return the stage of `on_stage`, or a new one in `running`."""
+        return self._shared or running.enter_context(Stage(robots, path, robot_file, self._tell))
 
     def _judge(self, stage: Stage, run: Run) -> dict[str, Seen]:
         """Return what the robots did, and set `doubt`; raises NotMeasurable."""
@@ -386,25 +351,20 @@ def _watch(stage: Stage, seconds: float) -> None:
         watch.take()
 
 
-def _without_reply(error: NoReply, began_s: float, limit_s: float, what: Phrase) -> Unmet | NotMeasurable:
-    """Return what it means that the child process gave no answer to a request made at `began_s` (monotonic clock, s)."""
-    if error.code is None:
-        return busy(phrase("no_answer", what=what))
-    if error.code == ALARM_CODE or time.monotonic() - began_s > SLOWER * limit_s:
-        return Unmet("ends", what=what, limit=limit_s)
-    return Unmet(
-        "runs", error=phrase("ended_python", what=what, code=processes.in_words(error.code)), where=""
-    )
-
-
-def _error(reply: dict[str, object]) -> ErrorData:
-    return msgspec.convert(reply["error"], ErrorData)
+def _answer(ask: Callable[[], Reply], limit_s: float, what: Phrase) -> Reply:
+    """Return an answer of the child process; without one raise Unmet, or NotMeasurable if it is still busy."""
+    began_s = time.monotonic()
+    try:
+        return ask()
+    except NoReply as error:
+        if error.code is None:
+            raise busy(phrase("no_answer", what=what)) from None
+        if error.code == ALARM_CODE or time.monotonic() - began_s > SLOWER * limit_s:
+            raise Unmet("ends", what=what, limit=limit_s) from None
+        ended = phrase("ended_python", what=what, code=processes.in_words(error.code))
+        raise Unmet("runs", error=ended, where="") from None
 
 
 def _failure(error: ErrorData, figure: str) -> str:
     """Return `keyboard` for an error of `input()`, otherwise `figure`."""
     return "keyboard" if error.kind == "EOFError" else figure
-
-
-def _plain(argument: object) -> object:
-    return argument.tolist() if isinstance(argument, np.ndarray | np.generic) else argument

@@ -1,28 +1,23 @@
-"""A bench: the pupil's function drives firmware and plant in virtual time, which a child process runs."""
+"""A bench: the pupil's function drives firmware and plant in virtual time."""
 
 from __future__ import annotations
 
-import subprocess
-import sys
+import importlib
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import metadata
-from typing import Literal
+from typing import Literal, Protocol
 
-import msgspec
 import numpy as np
 
-from beatrix_zenoh import processes
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.lessons.guarded import LineChild, NoReply
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.lessons.measures import Curve, HeadCurves
-from beatrix_zenoh.lessons.phrases import ErrorData, Still, Tell, Unmet, busy, phrase
+from beatrix_zenoh.lessons.phrases import Still, Tell, Unmet, error_data
 
 TICK_S = 0.02
 """Time between two calls of the function (s): CHUNK_MS of sim_node/virtual_time.py."""
-ANSWER_S = 60.0
-"""Longest time of an answer of the bench (s), its start included."""
+MODULE = "sim_node.bench"
+"""Loaded by name, because this package must not import the simulation."""
 
 Course = Callable[[float], float]
 Result = Literal["angle", "rate"]
@@ -40,43 +35,28 @@ class Bench(HeadCurves):
     """the yaw to follow at these times; zeros without a course"""
 
 
-def start(speed: float | None) -> LineChild:
-    """Start the process of the bench; raises Refused if it ends at once, NotMeasurable if it does not answer."""
-    found = metadata.entry_points(group="beatrix.processes", name="bench")
-    module = next((entry.module for entry in found), "sim_node.bench")
-    process = subprocess.Popen(
-        [sys.executable, "-P", "-m", module],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.DEVNULL,
-        process_group=None if sys.platform == "win32" else 0,
-        creationflags=processes.NEW_GROUP,
-    )
+class VirtualRobot(Protocol):
+    """A calibrated robot in virtual time, as sim_node/bench.py makes it."""
 
-    def end() -> None:
-        process.kill()
-        process.wait()
+    def tick(self, target: tuple[float, float, float]) -> dict[str, list[float]]:
+        """Turn to yaw, pitch and roll (deg) for a tick, and return the state; raises BeatrixError if it is refused."""
 
-    child = LineChild(process, process.stdin, end)
+
+def start(speed: float | None) -> VirtualRobot:
+    """Return a robot whose motions have this speed (deg/s; None: the default); raises Refused without a simulation."""
     try:
-        child.ask({"speed": speed}, ANSWER_S)
-    except NoReply as error:
-        child.close()
-        if error.code is None:
-            raise busy(phrase("no_bench")) from None
+        robot: VirtualRobot = importlib.import_module(MODULE).VirtualTimeRobot(speed)
+    except ImportError as error:
         raise Refused(
             Reason.BAD_VALUE,
-            f"The bench ended at its start ({processes.in_words(error.code)}). If the simulation is not installed, run "
+            f"The bench cannot be loaded: {error}. If the simulation is not installed, run "
             '`pip install ".[sim]"` in the folder of BEATRIX; then check again.',
         ) from None
-    except BaseException:
-        child.close()
-        raise
-    return child
+    return robot
 
 
 def run(
-    plant: LineChild,
+    plant: VirtualRobot,
     call: Callable[..., float],
     result: Result,
     seconds: float,
@@ -99,20 +79,13 @@ def run(
             yaw = states[back - 1]["head"][0] if back else 0.0
             value = call(course(back * TICK_S) - yaw, TICK_S)
         target = value if result == "angle" else target + value * TICK_S
-        states.append(_tick(plant, [target, 0.0, 0.0], t))
+        try:
+            states.append(plant.tick((target, 0.0, 0.0)))
+        except BeatrixError as error:
+            raise Unmet("refused", message=error_data(error).unnamed, t=t) from None
     t_end = np.array([(tick + 1) * TICK_S for tick in range(ticks)])
     return Bench(
         t_end,
         course=np.array([0.0 if course is None else course(t) for t in t_end.tolist()]),
         **{name: np.array([state[name] for state in states]) for name in states[0]},
     )
-
-
-def _tick(plant: LineChild, target: list[float], t: float) -> dict[str, list[float]]:
-    try:
-        answer = plant.ask({"head": target}, ANSWER_S)
-    except NoReply:
-        raise busy(phrase("no_bench")) from None
-    if "refused" in answer:
-        raise Unmet("refused", message=msgspec.convert(answer["refused"], ErrorData).unnamed, t=t)
-    return {name: list(map(float, value)) for name, value in answer.items() if isinstance(value, list)}

@@ -17,7 +17,6 @@ from beatrix_zenoh.lessons.attempt import Attempt
 from beatrix_zenoh.lessons.phrases import NotMeasurable, Phrase, Unmet, busy, error_data, phrase, said
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.progress import Record
-from beatrix_zenoh.lessons.stage import Stage
 from beatrix_zenoh.output import say
 
 BUSY_CORES = 0.5
@@ -53,7 +52,6 @@ def check(
     lesson: Lesson,
     program: Program,
     *,
-    stage: Stage | None = None,
     keep: Path | None = None,
     tell: Callable[[str], None] = lambda _: None,
 ) -> Verdict:
@@ -62,14 +60,12 @@ def check(
     Args:
         lesson: the lesson, in the pupil's language.
         program: the pupil's program.
-        stage: a stage that runs already, to use where it fits.
         keep: record the robots of an observed run to this file, which is overwritten.
         tell: is called with sentences about a check that takes long, in the language of the lesson.
     """
     attempt = Attempt(
         program,
         limit_s=lesson.about.limit_s,
-        stage=stage,
         keep=keep,
         tell=lambda text: tell(str(said(text, lesson.language))),
     )

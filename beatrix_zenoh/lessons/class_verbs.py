@@ -12,6 +12,9 @@ import typer
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.lesson_files import NOT_MEASURED, asked, find
+from beatrix_zenoh.lessons import program as programs
+from beatrix_zenoh.lessons import progress
 from beatrix_zenoh.output import columns, note, print_json, say
 from beatrix_zenoh.terminal.options import Connect, Json, Which, Who
 
@@ -33,9 +36,7 @@ def turn(
 
     The program runs on this computer. Waits in the queue for the robot. Ctrl-C, and a STOP of any seat, end the turn.
     """
-    from beatrix_zenoh.lesson_files import find
-    from beatrix_zenoh.lessons import program as programs
-    from beatrix_zenoh.lessons import progress, turns
+    from beatrix_zenoh.lessons import turns
     from beatrix_zenoh.settings import resolve
     from beatrix_zenoh.shutdown import signals_interrupt
 
@@ -104,7 +105,6 @@ def report(
 def _show(rows: list[Row], seats: list[str], shown: Callable[[str], str]) -> None:
     """Print a line for each seat, and what the check asks of those that are stuck."""
     from beatrix_zenoh.client import lesson_reports as reports
-    from beatrix_zenoh.lesson_files import NOT_MEASURED, asked
 
     lessons = sorted({row.lesson for row in rows})
     cells = {(row.seat, row.lesson): row.words for row in rows}

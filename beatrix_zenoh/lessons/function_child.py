@@ -31,7 +31,20 @@ STDERR = 2
 ODD = 60
 """Longest text of a value that an answer quotes."""
 
-Reply = dict[str, object]
+
+class Reply(msgspec.Struct):
+    """An answer: the value of a function, or what stands in place of it."""
+
+    value: object = None
+    used_s: float = 0.0
+    """processor time (s) of the call"""
+    error: ErrorData | None = None
+    line: int = 0
+    """of the pupil's file, in which it was raised; 0: not known"""
+    missing: list[str] | None = None
+    """the functions of the file, if the one that was asked for is not among them"""
+    odd: str = ""
+    """a value that JSON cannot hold"""
 
 
 def main(words: list[str]) -> int:
@@ -52,7 +65,7 @@ def main(words: list[str]) -> int:
     except BaseException as error:  # noqa: BLE001 - the pupil's code may raise any, SystemExit included
         write(answers, failed(error, path))
         return 1
-    write(answers, {"value": None})
+    write(answers, Reply())
     for line in requests:
         request = json.loads(line)
         with limited(request["limit_s"]):
@@ -79,7 +92,7 @@ def call(module: ModuleType, path: Path, name: str, arguments: list[object]) -> 
         own = [
             key for key, value in vars(module).items() if getattr(value, "__module__", "") == module.__name__
         ]
-        return {"missing": own}
+        return Reply(missing=own)
     began_s = time.process_time()
     try:
         value = function(*arguments)
@@ -87,9 +100,9 @@ def call(module: ModuleType, path: Path, name: str, arguments: list[object]) -> 
         return failed(error, path)
     used_s = time.process_time() - began_s
     try:
-        return {"value": plain(value), "used_s": used_s}
+        return Reply(plain(value), used_s)
     except TypeError:
-        return {"odd": repr(value)[:ODD]}
+        return Reply(odd=repr(value)[:ODD])
 
 
 def plain(value: object) -> object:
@@ -108,12 +121,11 @@ def plain(value: object) -> object:
 def failed(error: BaseException, path: Path) -> Reply:
     """Return the error, and the number of the last line of the pupil's file in its traceback."""
     if isinstance(error, SyntaxError):
-        said = ErrorData(error.msg, type(error).__name__)
-        return {"error": msgspec.to_builtins(said), "line": error.lineno or 0}
+        return Reply(error=ErrorData(error.msg, type(error).__name__), line=error.lineno or 0)
     lines = [
         frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)
     ]
-    return {"error": msgspec.to_builtins(error_data(error)), "line": (lines[-1] if lines else None) or 0}
+    return Reply(error=error_data(error), line=(lines[-1] if lines else None) or 0)
 
 
 @contextlib.contextmanager
@@ -139,7 +151,7 @@ def alarm(seconds: float) -> None:
 
 def write(answers: IO[str], answer: Reply) -> None:
     """Write an answer as one line."""
-    answers.write(json.dumps(answer) + "\n")
+    answers.write(json.dumps(msgspec.to_builtins(answer)) + "\n")
     answers.flush()
 
 

@@ -15,7 +15,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import IO
 
@@ -24,6 +24,7 @@ import msgspec
 from beatrix_zenoh import processes, threads
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.codec import UNREADABLE
+from beatrix_zenoh.lessons.function_child import Reply
 from beatrix_zenoh.lessons.phrases import ErrorData, Phrase, Unmet, phrase
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.sandbox import Sandbox
@@ -45,7 +46,6 @@ REFUSED = "Refused:"
 """Beginning of the last line of a traceback, if the robot has refused a request."""
 PREFIX = re.compile(r"^[\w.]+\.(?=\w+(:|$))")
 """The module of an exception's name, as in `beatrix_zenoh.contract.errors.Refused`."""
-Reply = dict[str, object]
 
 
 class Guarded:
@@ -132,20 +132,17 @@ class NoReply(Exception):
         self.code = code
 
 
-class LineChild:
-    """A child process that runs, ended by `close`."""
+class LineChild(Guarded):
+    """A process that answers each line of JSON with another one."""
 
-    def __init__(
-        self, process: subprocess.Popen[bytes], requests: IO[bytes] | None, end: Callable[[], None]
-    ) -> None:
-        """Talk to a process through a pipe to its standard input; `end` ends it."""
-        assert requests is not None
-        self._process, self._requests, self._end = process, requests, end
+    def __init__(self, sandbox: Sandbox, words: list[str], environment: Mapping[str, str]) -> None:
+        """Start it with these arguments and more variables."""
+        super().__init__(sandbox, words, environment, requests=True, stderr=subprocess.DEVNULL)
         self._lines: queue.SimpleQueue[bytes | None] = queue.SimpleQueue()
         self._reader = threads.start(self._read, "lines-of-child")
 
     def _read(self) -> None:
-        output = self._process.stdout
+        output = self.process.stdout
         assert output is not None
         for line in output:
             self._lines.put(line)
@@ -153,11 +150,12 @@ class LineChild:
 
     def ask(self, request: Mapping[str, object], timeout_s: float) -> Reply:
         """Return the answer to a request; raises NoReply after `timeout_s` (s), and if the child has ended."""
+        assert self.requests is not None
         try:
-            self._requests.write(json.dumps(request).encode() + b"\n")
-            self._requests.flush()
+            self.requests.write(json.dumps(request).encode() + b"\n")
+            self.requests.flush()
         except OSError as error:
-            raise NoReply(exit_code(self._process)) from error
+            raise NoReply(exit_code(self.process)) from error
         return self.reply(timeout_s)
 
     def reply(self, timeout_s: float) -> Reply:
@@ -167,18 +165,17 @@ class LineChild:
         except queue.Empty:
             raise NoReply from None
         if line is None:
-            raise NoReply(exit_code(self._process))
-        found: Reply = json.loads(line)
-        return found
+            raise NoReply(exit_code(self.process))
+        return msgspec.convert(json.loads(line), Reply)  # JSON of Python has nan, and integers of any size
 
     def close(self) -> None:
         """End the child, which holds nothing that it would have to save."""
-        self._end()
+        self.end()
         self._reader.join()
-        close(self._requests, self._process.stdout)
+        close(self.process.stdout)
 
 
-class Run:
+class Run(Guarded):
     """A program that runs; its output is read all the time, so that it never waits for a reader."""
 
     def __init__(
@@ -190,15 +187,14 @@ class Run:
         paths = (str(program.path.parent), os.environ.get("PYTHONPATH"))
         # The program of a notebook is in another folder.
         more = {"PYTHONPATH": os.pathsep.join(filter(None, paths))}
-        self._child = Guarded(sandbox, [str(file)], more | dict(environment))
-        self._process = self._child.process
+        super().__init__(sandbox, [str(file)], more | dict(environment))
         self.cores = 0.0
         """Part of a core that the program has used, known after `close`; 0 on Windows, which does not tell."""
         self._reader = threads.start(self._read, "output-of-program")
         self.began_ns = time.monotonic_ns()
 
     def _read(self) -> None:
-        output = self._process.stdout
+        output = self.process.stdout
         assert output is not None
         for line in iter(lambda: output.readline(LONGEST_LINE), b""):
             self._output.append(line.decode("utf-8", "replace").rstrip("\r\n"))
@@ -211,7 +207,7 @@ class Run:
     @property
     def running(self) -> bool:
         """Whether the program has not ended yet."""
-        return self._process.poll() is None
+        return self.process.poll() is None
 
     @property
     def seconds(self) -> float:
@@ -220,7 +216,7 @@ class Run:
 
     def check(self) -> None:
         """Raise Unmet (`runs`, `uncaught`, `other_robot` or `keyboard`) if the program has ended with an error."""
-        if self._process.poll() == 0:
+        if self.process.poll() == 0:
             return
         self._reader.join(END_S)
         lines = [line for line in self._output if line.strip()]
@@ -235,7 +231,7 @@ class Run:
 
     def _error(self, lines: list[str]) -> ErrorData | Phrase:
         """Return the error of the traceback, or how the program has ended without one."""
-        code = exit_code(self._process)
+        code = exit_code(self.process)
         if code < 0:
             return phrase("signal", name=signal.Signals(-code).name)
         if not lines:
@@ -255,12 +251,12 @@ class Run:
     def close(self) -> None:
         """End the program, first as Ctrl-C does, so that it can bring its robot to rest."""
         if self.running and sys.platform != "win32":
-            self._child.interrupt()
+            self.interrupt()
             with contextlib.suppress(subprocess.TimeoutExpired):
-                self._process.wait(END_S)
-        self._child.end()
+                self.process.wait(END_S)
+        self.end()
         if not self.cores:
             self.cores = self._sandbox.used_s() / self.seconds
         self._reader.join(END_S)
-        if self._process.stdout is not None and not self._reader.is_alive():  # else closing would wait for it
-            self._process.stdout.close()
+        if self.process.stdout is not None and not self._reader.is_alive():  # else closing would wait for it
+            self.process.stdout.close()

@@ -10,11 +10,9 @@ import contextlib
 import os
 import shutil
 import site
-import stat
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
@@ -143,25 +141,10 @@ def refuse_teacher(own: Account | None) -> None:
 
 PREFIX: Final = "beatrix-lesson-"
 """Beginning of the names of these folders, and of those of the simulations of a check."""
-OLD_S: Final = 24 * 3600.0
-"""Age (s) of a folder that no check or turn uses any longer."""
 
 
 @contextlib.contextmanager
 def scratch() -> Iterator[Path]:
-    """Yield a folder that is deleted at the end of the block, and delete old ones that killed processes have left."""
-    remove_old()
+    """Yield a folder that is deleted at the end of the block."""
     with tempfile.TemporaryDirectory(prefix=PREFIX) as folder:
         yield Path(folder)
-
-
-def remove_old() -> None:
-    """Delete this user's folders that are older than OLD_S."""
-    for path in Path(tempfile.gettempdir()).glob(f"{PREFIX}*"):
-        with contextlib.suppress(OSError):  # another check has deleted it
-            found = path.lstat()
-            own = (
-                sys.platform == "win32" or found.st_uid == os.getuid()
-            )  # there it is in the user's own folder
-            if own and stat.S_ISDIR(found.st_mode) and time.time() - found.st_mtime > OLD_S:
-                shutil.rmtree(path, ignore_errors=True)

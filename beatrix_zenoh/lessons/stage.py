@@ -21,9 +21,8 @@ from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Subscription
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, Positions, Status
-from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lessons.measures import Curve, HeadCurves
-from beatrix_zenoh.lessons.phrases import Phrase, Still, Tell, busy, error_data, phrase
+from beatrix_zenoh.lessons.phrases import Phrase, Still, Tell, busy, phrase
 from beatrix_zenoh.lessons.sandbox import PREFIX
 from beatrix_zenoh.processes import Child, Supervisor
 from beatrix_zenoh.settings import Settings
@@ -188,8 +187,6 @@ class Stage:
         self._running = ExitStack()
         account = {"BEATRIX_ACCOUNT": ""}  # the router of a check has no accounts
         self._supervisor = Supervisor(account, PREFIX)
-        self._person = (0.0, 0.0, 0.0)
-        """place of the person (m) at the start"""
 
     def __enter__(self) -> Self:
         with ExitStack() as starting:
@@ -201,8 +198,6 @@ class Stage:
             self._wait(supervisor.start("simulation", "sim", *robots, *words), len(self.names))
             client = starting.enter_context(Client(Settings(self.names[0], self.endpoint, SEAT)))
             self.watches = {name: RobotWatch(client, name) for name in self.names}
-            person = self.watches[self.names[0]].robot.target()
-            self._person = person.x, person.y, person.z
             self._running = starting.pop_all()
         return self
 
@@ -247,16 +242,3 @@ class Stage:
             yield
         finally:
             self._supervisor.finish(recorder)
-
-    def tidy(self) -> None:
-        """Bring robots and person back to where they were at the start; raises NotMeasurable if that fails."""
-        for name in self.names:
-            try:
-                with Client(Settings(name, self.endpoint, PUPIL)) as client:
-                    robot = Robot(name, "sim", client=client, timeout_s=ANSWER_S)
-                    with robot.lease(wait_s=ANSWER_S):
-                        robot.make_ready()
-                        robot.home()
-                        robot.move_target(*self._person)
-            except BeatrixError as error:
-                raise busy(phrase("not_home", error=error_data(error).unnamed)) from error

@@ -8,19 +8,19 @@ import shutil
 from collections.abc import Iterator
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.lesson_files import Lesson, find, lessons
+from beatrix_zenoh.lessons import program as programs
+from beatrix_zenoh.lessons import progress
 from beatrix_zenoh.lessons.class_verbs import report, turn
+from beatrix_zenoh.lessons.progress import Record, Workspace
 from beatrix_zenoh.output import columns, note, print_json, say
 from beatrix_zenoh.terminal.options import Json
-
-if TYPE_CHECKING:
-    from beatrix_zenoh.lesson_files import Lesson
-    from beatrix_zenoh.lessons.progress import Record, Workspace
 
 START = {
     "en": ("Lesson {number}: {title} ({minutes} minutes)", "folder", "read", "change", "check"),
@@ -59,14 +59,10 @@ def _shown(path: Path) -> Path:
 
 
 def _workspace() -> Workspace:
-    from beatrix_zenoh.lessons import progress
-
     return progress.workspace(Path.cwd())
 
 
 def _find(number: int, workspace: Workspace) -> Lesson:
-    from beatrix_zenoh.lesson_files import find
-
     return find(number, workspace.progress.language)
 
 
@@ -85,8 +81,6 @@ def _writing(folder: Path) -> Iterator[None]:
 @lesson.command("list")
 def list_lessons(as_json: Json = False) -> None:
     """List the lessons: S is for schools (from 14 years), U for universities."""
-    from beatrix_zenoh.lesson_files import lessons
-
     workspace = _workspace()
     found = lessons(workspace.progress.language)
     rows = [
@@ -163,10 +157,8 @@ def start(
 
 
 def _write_program(found: Lesson, path: Path) -> None:
-    from beatrix_zenoh.lessons.program import notebook
-
     text = (found.folder / "start.py").read_text(encoding="utf-8")
-    path.write_text(notebook(text) if path.suffix == ".ipynb" else text, encoding="utf-8")
+    path.write_text(programs.notebook(text) if path.suffix == ".ipynb" else text, encoding="utf-8")
 
 
 @lesson.command()
@@ -182,8 +174,7 @@ def check(
     Exit codes: 0 passed, 1 not yet, 4 this computer was too busy to measure.
     """
     from beatrix_zenoh.client import lesson_reports
-    from beatrix_zenoh.lessons import checking, progress
-    from beatrix_zenoh.lessons import program as programs
+    from beatrix_zenoh.lessons import checking
     from beatrix_zenoh.lessons.sandbox import refuse_teacher
     from beatrix_zenoh.settings import resolve_valid
     from beatrix_zenoh.shutdown import signals_interrupt
@@ -214,8 +205,6 @@ def check(
 
 def _program(number: int | None, workspace: Workspace) -> tuple[Lesson, Path]:
     """Return a lesson that was started, and the pupil's program; raises Refused if there is none."""
-    from beatrix_zenoh.lesson_files import lessons
-
     if number is not None:
         found = _find(number, workspace)
         paths = workspace.programs(found.name)

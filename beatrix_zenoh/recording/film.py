@@ -20,7 +20,7 @@ from av.video.stream import VideoStream
 from PIL import Image, ImageDraw, ImageFont
 
 from beatrix_zenoh.body.figure import Figure, meshes
-from beatrix_zenoh.body.scene import Screen, Viewpoint, rendered
+from beatrix_zenoh.body.scene import HeadDrawing, Screen, Viewpoint, draw
 from beatrix_zenoh.contract.names import ARMS, EYES, SIDE_TITLES, SIDES
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.recording.export import Block, Table
@@ -70,13 +70,19 @@ class PoseRenderer:
         if self._last is None or max(abs(a - b) for a, b in zip(pose, self._last[0], strict=True)) > 0.02:
             short, middle, long, *head = (math.radians(angle) for angle in pose)
             turns = self._figure.orientations((short, middle, long), rotation_of(*head))
-            self._last = pose, averaged(rendered(meshes(self._figure), turns, self.screen, BACKGROUND))
+            self._last = pose, painted(draw(meshes(self._figure), turns, self.screen), self.screen)
         return self._last[1]
 
 
-def averaged(fine: Pixels) -> Pixels:
-    """Return a picture with a SMOOTHING-th of the pixels in both directions."""
-    return np.asarray(Image.fromarray(fine).reduce(SMOOTHING))
+def painted(drawing: HeadDrawing, screen: Screen) -> Pixels:
+    """Return a picture of the faces, the furthest first, with a SMOOTHING-th of the screen's pixels in both directions."""
+    image = Image.new("RGB", (round(screen.width), round(screen.height)), BACKGROUND)
+    painter = ImageDraw.Draw(image)
+    for corners, colour in zip(
+        drawing.corners.reshape(-1, 8).tolist(), drawing.colours.tolist(), strict=True
+    ):
+        painter.polygon(corners, fill=f"#{colour:06x}")
+    return np.asarray(image.reduce(SMOOTHING))
 
 
 def eye_frames(pictures: Sequence[EyePicture]) -> Iterator[FilmFrame]:

@@ -9,8 +9,6 @@ import pytest
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.lessons import bench, program, progress
 from beatrix_zenoh.lessons.checking import Result, Verdict, count
-from beatrix_zenoh.lessons.guarded import LineChild, NoReply
-from beatrix_zenoh.lessons.phrases import NotMeasurable
 
 
 @pytest.mark.parametrize(
@@ -29,16 +27,7 @@ def test_a_seat_is_stuck_while_checks_find_nothing_new(tmp_path: Path, figures: 
     assert (record.tries, record.stuck) == (len(figures), stuck)
 
 
-@pytest.mark.parametrize(
-    ("code", "error", "words"),
-    [(None, NotMeasurable, "too busy"), (1, Refused, "exit code 1"), (-9, Refused, "SIGKILL")],
-)
-def test_a_bench_without_an_answer_is_not_called_missing(
-    code: int | None, error: type[Exception], words: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def ask(*_arguments: object) -> None:
-        raise NoReply(code)
-
-    monkeypatch.setattr(LineChild, "ask", ask)
-    with pytest.raises(error, match=words):
+def test_a_bench_that_cannot_be_loaded_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bench, "MODULE", "not_installed.bench")
+    with pytest.raises(Refused, match=r"No module named 'not_installed'.*pip install"):
         bench.start(None)

@@ -25,6 +25,13 @@ def stage(bea: Stage) -> Iterator[Stage]:
 
 
 @pytest.fixture
+def alone() -> Iterator[Stage]:
+    """A router for one test."""
+    with Stage() as made:
+        yield made
+
+
+@pytest.fixture
 def twin(stage: Stage) -> Iterator[Twin]:
     """Both robots, enabled and calibrated."""
     with Twin("bea", connect=stage.endpoint, who="ana", timeout_s=10.0) as made:

@@ -26,33 +26,31 @@ def flash(tmp_path: Path) -> Path:
 
 
 def test_a_board_with_a_boot_loader_is_found_at_the_start_and_after_a_reset(
-    tmp_path: Path, flash: Path
+    alone: Stage, tmp_path: Path, flash: Path
 ) -> None:
-    with Stage() as stage:
-        mega = stage.mega(tmp_path / "board", "--firmware", str(flash))
-        node = stage.hardware("bea", str(tmp_path / "board"))
-        robot = ready(stage.robot("bea", "hw"))
-        motion = robot.look(yaw=60, wait=False)
-        until(lambda: robot.positions().commanded.short > 1, "moving")
-        mega.say("reset")
-        with pytest.raises(Interrupted) as ended:
-            motion.wait()
-        assert ended.value.reason is Reason.BOARD_LOST
-        assert robot.positions().velocity.short == 0
-        wait_status(robot, lambda status: status.board.connected, "found again")
-        node.expect("The board was restarted")
-        assert not robot.status().calibrated
-        ready(robot).look(yaw=2, speed=60)
+    mega = alone.mega(tmp_path / "board", "--firmware", str(flash))
+    node = alone.hardware("bea", str(tmp_path / "board"))
+    robot = ready(alone.robot("bea", "hw"))
+    motion = robot.look(yaw=60, wait=False)
+    until(lambda: robot.positions().commanded.short > 1, "moving")
+    mega.say("reset")
+    with pytest.raises(Interrupted) as ended:
+        motion.wait()
+    assert ended.value.reason is Reason.BOARD_LOST
+    assert robot.positions().velocity.short == 0
+    wait_status(robot, lambda status: status.board.connected, "found again")
+    node.expect("The board was restarted")
+    assert not robot.status().calibrated
+    ready(robot).look(yaw=2, speed=60)
 
 
-def test_the_refusal_of_a_new_board_says_to_flash_it(tmp_path: Path) -> None:
+def test_the_refusal_of_a_new_board_says_to_flash_it(alone: Stage, tmp_path: Path) -> None:
     """A new board has only the boot loader."""
-    with Stage() as stage:
-        stage.mega(tmp_path / "board", "--firmware", str(LOADER))
-        node = stage.hardware("bea", str(tmp_path / "board"))
-        silent = f"{tmp_path / 'board'} is silent. Check that the board is connected to this port."
-        assert any(line.startswith(silent) for line in node.lines)
-        robot = stage.robot("bea", "hw")
-        with pytest.raises(Refused, match="run `beatrix flash`") as refusal:
-            robot.enable()
-        assert refusal.value.reason is Reason.BOARD_LOST
+    alone.mega(tmp_path / "board", "--firmware", str(LOADER))
+    node = alone.hardware("bea", str(tmp_path / "board"))
+    silent = f"{tmp_path / 'board'} is silent. Check that the board is connected to this port."
+    assert any(line.startswith(silent) for line in node.lines)
+    robot = alone.robot("bea", "hw")
+    with pytest.raises(Refused, match="run `beatrix flash`") as refusal:
+        robot.enable()
+    assert refusal.value.reason is Reason.BOARD_LOST

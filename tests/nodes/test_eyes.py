@@ -104,8 +104,7 @@ def test_a_renderer_that_crashes_or_hangs_affects_only_the_pictures(stage: Stage
 
 @pytest.fixture
 def inside(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> Iterator[Robot]:
-    """A simulation in this process with ray casting and short retries."""
-    monkeypatch.setattr(gl, "backend", lambda: None)
+    """A simulation in this process with short retries."""
     monkeypatch.setattr(eyes, "IDLE_S", 0.1)
     monkeypatch.setattr(eyes, "RETRY_S", 0.1)
     node = Node(Sessions(lambda: zbus.connect(stage.endpoint)), "inside", Simulation("inside")).start()
@@ -113,6 +112,14 @@ def inside(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> Iterator[Robot]:
     yield robot
     robot.client.close()
     node.close()
+
+
+def test_without_opengl_the_status_says_what_to_install(
+    inside: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(gl, "backend", lambda: None)
+    with inside.camera("left"):
+        until(lambda: inside.status().cameras[0].trouble == eyes.NO_OPENGL, "the eye has a reason")
 
 
 def test_the_renderer_ends_soon_after_the_last_subscriber(inside: Robot) -> None:

@@ -152,26 +152,6 @@ def test_stop_and_switching_the_motors_off_end_following(
     both.sim.reset()
 
 
-@pytest.mark.long("follows in real time")
-def test_it_waits_for_a_hardware_that_is_off_and_moves_smoothly_to_its_new_home(both: Both) -> None:
-    both.hw.move(20, 20, 20, speed=60)
-    both.together()
-    both.hw.disable()
-    both.wait(FollowState.WAITING)
-    assert "motors of the hardware are off" in both.sim.status().warnings[0]
-    assert both.sim.positions().arms.short == pytest.approx(20, abs=0.2)
-
-    def back() -> None:
-        both.hw.enable()
-        both.hw.calibrate()
-        both.wait(FollowState.FOLLOWING)
-
-    _, simulation = both.record(back)
-    assert largest_step_deg(simulation) < 1.0, "at most the default speed, 30 deg/s"
-    both.together()
-    assert both.sim.positions().arms.short == pytest.approx(0, abs=0.2)
-
-
 def test_the_verb_switches_it_and_the_list_shows_it(both: Both) -> None:
     shell = Shell(both.stage.endpoint)
     until(lambda: "follows hw" in shell.good("ls"), "the list knows both robots")

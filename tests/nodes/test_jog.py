@@ -7,7 +7,6 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
 
 import pytest
 from robots import END_S, ROOT, Stage, ready, until, untraced
@@ -30,19 +29,13 @@ def small_and_fast(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("beatrix_zenoh.doctor.verbs.SPEED_DEG_S", 80.0)
 
 
-@pytest.fixture
-def stage() -> Iterator[Stage]:
-    with Stage() as made:
-        yield made
-
-
-def words(stage: Stage, *more: str) -> list[str]:
+def words(alone: Stage, *more: str) -> list[str]:
     """Return the arguments of `beatrix`."""
-    return ["doctor", "--jog", "--name", "bea", "--connect", stage.endpoint, "--who", "ana", *more]
+    return ["doctor", "--jog", "--name", "bea", "--connect", alone.endpoint, "--who", "ana", *more]
 
 
-def jog(stage: Stage, answers: str, *more: str) -> subprocess.CompletedProcess[str]:
-    return beatrix(*words(stage, *more), answers=answers)
+def jog(alone: Stage, answers: str, *more: str) -> subprocess.CompletedProcess[str]:
+    return beatrix(*words(alone, *more), answers=answers)
 
 
 @pytest.mark.long("all wrong plugs in real time")
@@ -75,10 +68,10 @@ def jog(stage: Stage, answers: str, *more: str) -> subprocess.CompletedProcess[s
     ],
     ids=["right", "swapped", "elsewhere", "silent", "twice"],
 )
-def test_three_jogs_find_wrong_plugs(stage: Stage, answers: str, advice: list[str], missing: str) -> None:
-    stage.node("bea")
-    robot = ready(stage.robot("bea", "hw"))
-    done = jog(stage, answers)
+def test_three_jogs_find_wrong_plugs(alone: Stage, answers: str, advice: list[str], missing: str) -> None:
+    alone.node("bea")
+    robot = ready(alone.robot("bea", "hw"))
+    done = jog(alone, answers)
     for line in advice:
         assert line in done.stdout + done.stderr
     assert missing not in done.stdout + done.stderr
@@ -87,34 +80,34 @@ def test_three_jogs_find_wrong_plugs(stage: Stage, answers: str, advice: list[st
     assert robot.positions().commanded == pytest.approx((0, 0, 0), abs=BACK_AT)
 
 
-def test_arms_are_correct_if_the_robot_file_has_their_azimuth(stage: Stage) -> None:
+def test_arms_are_correct_if_the_robot_file_has_their_azimuth(alone: Stage) -> None:
     robot = RobotData(geometry=GeometryData(arm0_azimuth=30.0))
-    stage.node("bea", VirtualHardware("bea", robot), robot)
-    ready(stage.robot("bea", "hw"))
-    done = jog(stage, RIGHT + "30\n")
+    alone.node("bea", VirtualHardware("bea", robot), robot)
+    ready(alone.robot("bea", "hw"))
+    done = jog(alone, RIGHT + "30\n")
     assert (done.returncode, done.stdout) == (0, "All three motors are plugged in correctly.\n")
-    elsewhere = jog(stage, RIGHT + AZIMUTH)
+    elsewhere = jog(alone, RIGHT + AZIMUTH)
     assert elsewhere.returncode == 1
     assert "differently than the robot reports (30°)" in elsewhere.stdout
     assert "[geometry]\narm0_azimuth = 90.0" in elsewhere.stdout
 
 
 def test_with_motors_off_jog_is_refused_before_any_question_and_names_enable_for_the_hardware(
-    stage: Stage,
+    alone: Stage,
 ) -> None:
     """Without --on, `beatrix enable` would choose a simulation of the same name."""
-    stage.node("bea")
-    done = jog(stage, RIGHT)
+    alone.node("bea")
+    done = jog(alone, RIGHT)
     assert (done.returncode, "`beatrix enable --on hw`" in done.stderr) == (1, True)
     assert "Watch the robot" not in done.stderr, "refused before any question"
 
 
-def test_ctrl_c_at_a_question_stops_the_robot_and_ends_the_program(stage: Stage) -> None:
-    stage.node("bea")
-    robot = ready(stage.robot("bea", "hw"))
+def test_ctrl_c_at_a_question_stops_the_robot_and_ends_the_program(alone: Stage) -> None:
+    alone.node("bea")
+    robot = ready(alone.robot("bea", "hw"))
     pipe = subprocess.PIPE
     process = subprocess.Popen(
-        [sys.executable, *CLI, *words(stage, "--json")],
+        [sys.executable, *CLI, *words(alone, "--json")],
         stdin=pipe,
         stdout=pipe,
         stderr=pipe,

@@ -21,22 +21,21 @@ from hw_node.body import Hardware
 pytestmark = pytest.mark.bodies("hw")
 
 
-def test_the_loss_of_the_router_stops_an_old_program(tmp_path: Path) -> None:
-    with Stage() as stage:
-        router = stage.process("beatrix_zenoh.cli", "router", "--listen", endpoint := free_endpoint())
-        router.expect("ready")
-        node = ("--name", "bea", "--connect", endpoint, "--legacy", str(tmp_path / "COM4"))
-        stage.process("hw_node", *node, "--port", "virtual:").expect("ready")
-        program = Program(tmp_path / "COM4")
-        program.begin()
-        program.port.write(b"@MOVRALL 600 600 600\r@MOVRALL 300 300 300\r")
-        assert program.read(1) == ["ACK\n"], "the robot moves"
-        router.end(signal.SIGKILL)
-        assert program.read(3) == ["NACK\n", "ACK\n", "NACK\n"]
-        at = program.x
-        assert program.say("@MOVRX 20 200") == ["ACK\n", "NACK\n"], "no client could stop it"
-        assert program.x == at < 500
-        program.port.close()
+def test_the_loss_of_the_router_stops_an_old_program(alone: Stage, tmp_path: Path) -> None:
+    router = alone.process("beatrix_zenoh.cli", "router", "--listen", endpoint := free_endpoint())
+    router.expect("ready")
+    node = ("--name", "bea", "--connect", endpoint, "--legacy", str(tmp_path / "COM4"))
+    alone.process("hw_node", *node, "--port", "virtual:").expect("ready")
+    program = Program(tmp_path / "COM4")
+    program.begin()
+    program.port.write(b"@MOVRALL 600 600 600\r@MOVRALL 300 300 300\r")
+    assert program.read(1) == ["ACK\n"], "the robot moves"
+    router.end(signal.SIGKILL)
+    assert program.read(3) == ["NACK\n", "ACK\n", "NACK\n"]
+    at = program.x
+    assert program.say("@MOVRX 20 200") == ["ACK\n", "NACK\n"], "no client could stop it"
+    assert program.x == at < 500
+    program.port.close()
 
 
 def test_a_program_that_never_reads_delays_no_client(place: Place) -> None:
@@ -66,13 +65,15 @@ def test_stopall_is_carried_out_before_hundreds_of_waiting_lines(place: Place) -
 
 
 @pytest.mark.long("waits for a board to return")
-def test_lines_to_a_lost_board_are_answered_nack_and_its_return_clears_the_zero(tmp_path: Path) -> None:
-    with Stage() as stage, PtyBoard(tmp_path / "board") as board:
-        sessions = Sessions(lambda: zbus.connect(stage.endpoint))
+def test_lines_to_a_lost_board_are_answered_nack_and_its_return_clears_the_zero(
+    alone: Stage, tmp_path: Path
+) -> None:
+    with PtyBoard(tmp_path / "board") as board:
+        sessions = Sessions(lambda: zbus.connect(alone.endpoint))
         terminal = Terminal(tmp_path / "COM4")
         node = Node(sessions, "bea", Hardware(str(tmp_path / "board")), terminal=terminal).start()
         try:
-            robot: Robot = stage.robot("bea", "hw")
+            robot: Robot = alone.robot("bea", "hw")
             wait_status(robot, lambda status: status.board.connected, "board there")
             program = Program(tmp_path / "COM4").begin()
             program.port.write(b"@MOVRALL 600 600 600\r@MOVRX 5 5\r")

@@ -7,7 +7,6 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
 
 import pytest
 from robots import ROOT, Stage, ready, until, untraced
@@ -18,18 +17,12 @@ from beatrix_zenoh.contract._generated.messages import EventKind
 SMALLEST_PIPE = 4096
 
 
-@pytest.fixture
-def stage() -> Iterator[Stage]:
-    with Stage() as made:
-        yield made
-
-
 @pytest.mark.long("fills a pipe")
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux can set the size of a pipe")
-def test_an_unread_stderr_does_not_block_the_node(stage: Stage) -> None:
+def test_an_unread_stderr_does_not_block_the_node(alone: Stage) -> None:
     reader, writer = os.pipe()
     fcntl.fcntl(writer, fcntl.F_SETPIPE_SZ, SMALLEST_PIPE)
-    command = ["-m", "hw_node", "--name", "bea", "--connect", stage.endpoint, "--port", "virtual:"]
+    command = ["-m", "hw_node", "--name", "bea", "--connect", alone.endpoint, "--port", "virtual:"]
     node = subprocess.Popen(
         [sys.executable, *command],
         stdout=subprocess.PIPE,
@@ -42,7 +35,7 @@ def test_an_unread_stderr_does_not_block_the_node(stage: Stage) -> None:
     try:
         assert node.stdout is not None
         assert node.stdout.readline().startswith("ready")
-        robot = ready(stage.robot("bea", "hw"))
+        robot = ready(alone.robot("bea", "hw"))
         with robot.events(timeout_s=20.0) as events:
             written = 0
 
@@ -65,20 +58,20 @@ def test_an_unread_stderr_does_not_block_the_node(stage: Stage) -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux has /dev/full")
-def test_a_full_disk_is_reported_once_and_the_node_ends_cleanly(stage: Stage) -> None:
-    node = stage.process(
+def test_a_full_disk_is_reported_once_and_the_node_ends_cleanly(alone: Stage) -> None:
+    node = alone.process(
         "hw_node",
         "--name",
         "bea",
         "--connect",
-        stage.endpoint,
+        alone.endpoint,
         "--port",
         "virtual:",
         "--log-file",
         "/dev/full",
     )
     node.expect("ready")
-    robot = ready(stage.robot("bea", "hw"))
+    robot = ready(alone.robot("bea", "hw"))
     robot.look(yaw=2, speed=60)
     node.send(signal.SIGINT)
     assert node.wait() == 0

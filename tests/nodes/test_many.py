@@ -88,13 +88,12 @@ def test_a_second_process_may_not_take_a_name(many: Stage) -> None:
     many.close_clients()
 
 
-def test_a_signal_ends_all_robots() -> None:
-    with Stage() as stage:
-        process = start(stage)
-        with stage.client() as client:
-            assert client.bus.robots() == [(name, "sim") for name in NAMES]
-            assert process.end() == 0
-            until(lambda: client.bus.robots() == [], "all robots are gone")
+def test_a_signal_ends_all_robots(alone: Stage) -> None:
+    process = start(alone)
+    with alone.client() as client:
+        assert client.bus.robots() == [(name, "sim") for name in NAMES]
+        assert process.end() == 0
+        until(lambda: client.bus.robots() == [], "all robots are gone")
 
 
 @pytest.mark.parametrize("options", [("--name", "ada"), ("--legacy", "COM4"), ("--view",)])

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import signal
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -20,12 +19,6 @@ CLI = (sys.executable, "-m", "beatrix_zenoh.cli")
 
 
 @pytest.fixture
-def stage() -> Iterator[Stage]:
-    with Stage() as made:
-        yield made
-
-
-@pytest.fixture
 def lab(tmp_path: Path) -> Path:
     """A robot file with a smaller tilt limit."""
     path = tmp_path / "lab.toml"
@@ -33,31 +26,31 @@ def lab(tmp_path: Path) -> Path:
     return path
 
 
-def doctor(stage: Stage) -> dict[str, str]:
+def doctor(alone: Stage) -> dict[str, str]:
     """Return the to-do lines of `beatrix doctor`, by topic."""
-    done = beatrix("doctor", "--json", "--connect", stage.endpoint)
+    done = beatrix("doctor", "--json", "--connect", alone.endpoint)
     return {found["what"]: found["todo"] for found in json.loads(done.stdout)["findings"] if found["todo"]}
 
 
 def test_doctor_and_preview_report_twins_with_different_values(
-    stage: Stage, monkeypatch: pytest.MonkeyPatch
+    alone: Stage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     small = RobotData(limits=LimitsData(tilt_max=20.0))
     monkeypatch.setenv("MUJOCO_GL", "off")  # drawing is no part of this test
-    stage.node("bea", Simulation("bea"))
-    stage.node("bea")
-    other = stage.node("other", Simulation("other", small), small)
-    stage.node("other")
-    with Twin("bea", connect=stage.endpoint, who="ana") as twin:
+    alone.node("bea", Simulation("bea"))
+    alone.node("bea")
+    other = alone.node("other", Simulation("other", small), small)
+    alone.node("other")
+    with Twin("bea", connect=alone.endpoint, who="ana") as twin:
         ready(twin.sim)
         ready(twin.hw)
         assert twin.preview(yaw=5).verdict.endswith(" s.")
-    with Twin("other", connect=stage.endpoint, who="ana") as twin:
+    with Twin("other", connect=alone.endpoint, who="ana") as twin:
         ready(twin.sim)
         assert "different values" in twin.preview(yaw=5).verdict
-    assert doctor(stage) == {"other (sim, hw)": "start both with the same --robot-file, or without one"}
+    assert doctor(alone) == {"other (sim, hw)": "start both with the same --robot-file, or without one"}
     other.close()
-    assert doctor(stage) == {}
+    assert doctor(alone) == {}
 
 
 def test_up_passes_its_robot_file_to_both_nodes(lab: Path) -> None:

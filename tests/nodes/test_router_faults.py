@@ -8,7 +8,7 @@ import re
 import signal
 import socket
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -22,13 +22,6 @@ from beatrix_zenoh.bus import Sessions, session, transport
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.node import Node
 from hw_node.body import VirtualHardware
-
-
-@pytest.fixture
-def stage() -> Iterator[Stage]:
-    """A router for one test."""
-    with Stage() as made:
-        yield made
 
 
 def refused(robot: Robot) -> bool:
@@ -47,10 +40,10 @@ def failed(request: Callable[[], object]) -> NoAnswer:
     return caught.value
 
 
-def test_all_processes_return_after_a_restart_of_the_router_process(stage: Stage) -> None:
+def test_all_processes_return_after_a_restart_of_the_router_process(alone: Stage) -> None:
     endpoint = free_endpoint()
     router = start_router(endpoint)
-    node = stage.process("hw_node", "--name", "bea", "--connect", endpoint, "--port", "virtual:")
+    node = alone.process("hw_node", "--name", "bea", "--connect", endpoint, "--port", "virtual:")
     node.expect("ready")
     with Robot("bea", "hw", connect=endpoint, who="ana") as robot:
         robot.make_ready()
@@ -68,20 +61,20 @@ def test_all_processes_return_after_a_restart_of_the_router_process(stage: Stage
             node.end()
 
 
-def test_a_node_that_is_started_before_the_router_waits_for_it(stage: Stage) -> None:
+def test_a_node_that_is_started_before_the_router_waits_for_it(alone: Stage) -> None:
     endpoint = free_endpoint()
-    process = stage.process("hw_node", "--name", "bea", "--connect", endpoint, "--port", "virtual:")
+    process = alone.process("hw_node", "--name", "bea", "--connect", endpoint, "--port", "virtual:")
     assert f"`beatrix router --listen {endpoint}`" in process.expect("No router at")
     with routing(endpoint):
         process.expect("ready beatrix/bea/hw/@alive")
         process.end()
-    waiting = stage.process("hw_node", "--name", "bea", "--connect", endpoint, "--port", "virtual:")
+    waiting = alone.process("hw_node", "--name", "bea", "--connect", endpoint, "--port", "virtual:")
     waiting.expect("No router at")
     waiting.send(signal.SIGINT)
     assert waiting.wait() == 0
 
 
-def test_a_suspended_router_counts_as_lost(stage: Stage) -> None:
+def test_a_suspended_router_counts_as_lost(alone: Stage) -> None:
     endpoint = free_endpoint()
     router = start_router(endpoint)
     node = Node(Sessions(lambda: zbus.connect(endpoint)), "bea", VirtualHardware("bea")).start()
@@ -109,9 +102,9 @@ def test_a_suspended_router_counts_as_lost(stage: Stage) -> None:
 
 @pytest.mark.long("waits until a session is replaced")
 @pytest.mark.parametrize("traffic", ["control", "motion"])
-def test_a_session_whose_declarations_the_router_has_lost_is_replaced(stage: Stage, traffic: str) -> None:
-    node = stage.node("bea")
-    robot = ready(stage.robot("bea", "hw"))
+def test_a_session_whose_declarations_the_router_has_lost_is_replaced(alone: Stage, traffic: str) -> None:
+    node = alone.node("bea")
+    robot = ready(alone.robot("bea", "hw"))
     stream = robot.stream()
     robot.look(yaw=2)
     motion = robot.look(yaw=170, speed=10, wait=False)
@@ -181,7 +174,7 @@ def test_a_router_of_another_protocol_version_is_named_as_such(
 
 
 def test_a_router_that_begins_to_listen_after_the_first_attempt_refuses_no_one(
-    stage: Stage, monkeypatch: pytest.MonkeyPatch
+    alone: Stage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     attempts: list[bool] = []
 
@@ -192,5 +185,5 @@ def test_a_router_that_begins_to_listen_after_the_first_attempt_refuses_no_one(
         return transport.opened(*given)  # type: ignore[arg-type]
 
     monkeypatch.setattr(session, "opened", opened)
-    zbus.connect(stage.endpoint).close()
+    zbus.connect(alone.endpoint).close()
     assert len(attempts) == 2

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from robots import Stage, ready, until
 
-from beatrix_zenoh import Interrupted, Robot, files
+from beatrix_zenoh import Interrupted, Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.client import lease
@@ -76,18 +76,6 @@ def test_freeze_limit_and_mute_outlive_a_restart_until_the_teacher_lifts_them(ke
     assert not kept.file.exists()
     kept.restart()
     kept.ana.enable()
-
-
-def test_a_node_process_keeps_the_decisions_in_the_folder_of_its_user() -> None:
-    with Stage() as stage:
-        first = stage.hardware("kept")
-        lease.ask(stage.robot("kept", "hw", "teacher"), LeaseAction.FREEZE)
-        first.end()
-        assert (files.user_folder() / "robots" / "kept.hw.toml").read_text() == "frozen = true\n"
-        stage.hardware("kept")
-        robot = stage.robot("kept", "hw", "teacher")
-        assert robot.status().frozen
-        lease.ask(robot, LeaseAction.UNFREEZE)
 
 
 def test_an_emergency_stop_of_the_teacher_is_the_teachers_to_reset_also_after_a_restart(kept: Place) -> None:

@@ -80,12 +80,6 @@ def test_a_plan_is_refused_when_a_robot_has_moved_since(twin: Twin) -> None:
     with pytest.raises(Refused, match=r"bea \(hw\) has moved.*preview again"):
         plan.commit()
     assert commanded(twin.sim) == (0, 0, 0)
-    twin.hw.home()
-    plan = twin.preview(yaw=10)
-    twin.hw.look(yaw=-3, speed=60)
-    twin.hw.calibrate()
-    with pytest.raises(Refused, match=r"bea \(hw\) has moved, or was calibrated"):
-        plan.commit()
 
 
 def test_only_a_relative_plan_needs_both_robots_at_one_position(twin: Twin) -> None:
@@ -104,14 +98,6 @@ def test_hardware_that_may_not_move_is_detected_before_the_simulation_moves(twin
         plan.commit()
     assert refusal.value.reason is Reason.NOT_ENABLED
     before = twin.sim.status().motion
-    twin.hw.emergency_stop()
-    with pytest.raises(Refused, match=r"bea \(hw\): EMERGENCY_STOP is latched"):
-        twin.check_ready()
-    twin.hw.reset()
-    twin.hw.enable()
-    with pytest.raises(Refused, match=r"bea \(hw\): Home is not known") as unknown:
-        plan.commit()
-    assert unknown.value.reason is Reason.NOT_CALIBRATED
     assert "committed" not in repr(plan)
     assert (twin.sim.status().motion, commanded(twin.sim)) == (before, (0, 0, 0))
 
@@ -170,13 +156,13 @@ def test_stop_at_one_robot_stops_the_other(stage: Stage, twin: Twin) -> None:
     assert commanded(twin.sim)[0] < 60
 
 
-def test_the_hardware_is_stopped_when_the_simulation_is_lost() -> None:
-    with Stage() as stage, Twin("bea", connect=stage.endpoint, who="ana") as twin:
-        simulation = stage.simulation("bea")
-        stage.node("bea")
+def test_the_hardware_is_stopped_when_the_simulation_is_lost(alone: Stage) -> None:
+    with Twin("bea", connect=alone.endpoint, who="ana") as twin:
+        simulation = alone.simulation("bea")
+        alone.node("bea")
         twin.enable()
         twin.calibrate()
-        other = stage.robot("bea", "hw", "ben")
+        other = alone.robot("bea", "hw", "ben")
         plan = twin.preview(yaw=120)
         with ThreadPoolExecutor(1) as pool:
             committed = pool.submit(plan.commit)

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import os
 import signal
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from types import FrameType
 
 import pytest
 from robots import Stage, until
@@ -71,30 +68,6 @@ def test_abort_within_the_lead_stops_the_simulation_and_leaves_the_hardware_unmo
     assert not motion.cancel()
     assert not twin.sim.status().moving
     assert (steps(twin.hw), twin.hw.status().motion) == (before, number)
-
-
-def test_abort_in_a_signal_handler_ends_the_commit_that_it_interrupts(twin: Twin) -> None:
-    before = steps(twin.hw)
-    plan = twin.preview(yaw=90)
-
-    def abort(_number: int, _frame: FrameType | None) -> None:
-        plan.abort()
-
-    def press() -> None:
-        moves(twin.sim)
-        os.kill(os.getpid(), signal.SIGALRM)
-
-    previous = signal.signal(signal.SIGALRM, abort)
-    try:
-        with ThreadPoolExecutor(1) as pool:
-            pressed = pool.submit(press)
-            with pytest.raises(Interrupted, match="not moved"):
-                plan.commit(lead_s=20)
-            pressed.result()
-    finally:
-        signal.signal(signal.SIGALRM, previous)
-    assert steps(twin.hw) == before
-    assert not twin.sim.status().moving
 
 
 def first_move_ns(positions: Subscription[Positions]) -> int:
@@ -179,16 +152,15 @@ def test_send_now_sends_the_motion_to_the_hardware_at_once(twin: Twin) -> None:
     assert twin.hw.positions().commanded == twin.sim.positions().commanded
 
 
-def test_hardware_that_is_replaced_during_the_lead_is_not_moved() -> None:
-    with Stage() as stage:
-        stage.node("bea", Simulation("bea"))
-        first = stage.hardware("bea")
-        with Twin("bea", connect=stage.endpoint, who="ana") as twin:
-            twin.make_ready()
-            motion = twin.preview(yaw=20, speed=60).commit(lead_s=8.0, wait=False)
-            first.send(signal.SIGKILL)
-            first.wait()
-            stage.node("bea")
-            with pytest.raises(NoAnswer, match="is no longer online"):
-                motion.result(10)
-            assert twin.hw.positions().commanded.short == 0
+def test_hardware_that_is_replaced_during_the_lead_is_not_moved(alone: Stage) -> None:
+    alone.node("bea", Simulation("bea"))
+    first = alone.hardware("bea")
+    with Twin("bea", connect=alone.endpoint, who="ana") as twin:
+        twin.make_ready()
+        motion = twin.preview(yaw=20, speed=60).commit(lead_s=8.0, wait=False)
+        first.send(signal.SIGKILL)
+        first.wait()
+        alone.node("bea")
+        with pytest.raises(NoAnswer, match="is no longer online"):
+            motion.result(10)
+        assert twin.hw.positions().commanded.short == 0

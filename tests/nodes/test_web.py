@@ -214,20 +214,20 @@ def test_only_the_named_robot_is_offered(stage: Stage, robot: Robot) -> None:
     assert (view["robots"], view["robot"]) == (["bea2"], "bea2")
 
 
-def test_pages_show_the_first_robot_that_comes_and_that_it_or_the_router_is_lost() -> None:
-    with Stage() as stage, serving(stage.endpoint) as port, WebClient(port) as browser:
+def test_pages_show_the_first_robot_that_comes_and_that_it_or_the_router_is_lost(alone: Stage) -> None:
+    with serving(alone.endpoint) as port, WebClient(port) as browser:
         browser.load()
         page = browser.connect()
         page.state(lambda view: view["robot"] == "bea", "no robot is online")
-        stage.node("bea1")
+        alone.node("bea1")
         page.state(lambda view: online(view) and view["robot"] == "bea1", "online")
-        stage.end_nodes()
+        alone.end_nodes()
         view = page.state(lambda view: not online(view), "absent")
         assert view["banner"] == {
             "text": view["banner"]["text"],
             "buttons": [],
         }  # none that starts a program
-        stage.end_router()
+        alone.end_router()
         page.state(lambda view: not view["online"], "no router")
 
 

@@ -163,12 +163,3 @@ def check_size(browser: Browser, width: int, height: int) -> None:
     assert box[0] == height
     assert box[1] >= width - 160
     assert box[2] >= 72
-
-
-def test_a_projector_shows_each_robot(browser: Browser) -> None:
-    browser.resize(1280, 720)
-    address = browser.run("location.origin")
-    browser.open(f"{address}/class")
-    browser.wait(lambda: browser.text("#turns").count("bea1") == 2, "simulation and hardware")
-    assert "beatrix stop" in browser.text("#hint")
-    assert browser.run("document.querySelectorAll('button, input').length") == 0, "the page only reads"

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from beatrix_zenoh.body.figure import Figure, meshes
-from beatrix_zenoh.body.scene import Screen, rendered
+from beatrix_zenoh.body.scene import Screen, draw
 from beatrix_zenoh.body.surface import Mesh, Modeller
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of
-from beatrix_zenoh.recording.film import BACKGROUND, VIEW, Array, Pixels
+from beatrix_zenoh.recording.film import VIEW, Array, Pixels, painted
 
-SIZE = 320, 240
+SIZE = 640, 480
 ROBOT, SCREEN = Figure(), Screen(VIEW, *SIZE)
 MARK = (250, 10, 240)
 """A colour that the robot does not have."""
@@ -30,7 +30,7 @@ def marked(place: tuple[float, float, float]) -> tuple[Mesh, ...]:
 def picture(shapes: tuple[Mesh, ...], *head: float) -> Pixels:
     """Return the picture of a robot whose head is turned to yaw, pitch and roll (deg)."""
     turns = ROBOT.orientations(tuple(np.radians(arms(*head))), rotation_of(*np.radians(head)))
-    return rendered(shapes, turns, SCREEN, BACKGROUND)
+    return painted(draw(shapes, turns, SCREEN), SCREEN)
 
 
 def arms(*head: float) -> Array:

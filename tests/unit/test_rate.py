@@ -10,8 +10,8 @@ REQUESTED_HZ = 15.0
 class Drawer:
     """Draws when a picture is due, on its own clock; each picture takes `cost_s`."""
 
-    def __init__(self, rate: FrameRate, cost_s: float, robots: int = 1) -> None:
-        self.rate, self.cost_s, self.now_s, self.robots = rate, cost_s, 100.0, robots
+    def __init__(self, rate: FrameRate, cost_s: float) -> None:
+        self.rate, self.cost_s, self.now_s = rate, cost_s, 100.0
 
     def draw(self, count: int, *, late: bool = False) -> float:
         """Draw `count` pictures; return their rate (Hz)."""
@@ -20,7 +20,7 @@ class Drawer:
             self.now_s += self.rate.wait_s(self.now_s)
             drawn_s = self.now_s
             self.now_s += self.cost_s
-            self.rate.drawn(drawn_s, self.now_s, late=late, robots=self.robots)
+            self.rate.drawn(drawn_s, self.cost_s, late=late)
         self.now_s += self.rate.wait_s(self.now_s)
         return count / (self.now_s - begin_s)
 

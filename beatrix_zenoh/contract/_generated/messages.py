@@ -564,7 +564,7 @@ class CameraStatus(Struct, frozen=True, kw_only=True):
     height: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
     """height of the newest picture; 0: none yet [px]"""
     source: Label
-    """source of the pictures: `opencv`, `pattern`, `file`, `egl`, `osmesa`, `rays`"""
+    """source of the pictures: `opencv`, `pattern`, `file`, or the OpenGL of a simulation, for example `egl`"""
     trouble: Text = ""
     """a sentence: why there are no pictures, and what to do; empty: no fault"""
 
