@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from unittest.mock import Mock, call
+from unittest.mock import Mock
 
 import pytest
 
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract._generated.serial import FrameType, Text
-from beatrix_zenoh.node import legacy_port
+from beatrix_zenoh.contract._generated.serial import Text
 from beatrix_zenoh.node.access import Operation
-from beatrix_zenoh.node.legacy_port import ACK, CAPACITY, LAST, NACK, LegacyPort, operation_of
+from beatrix_zenoh.node.legacy_lines import ACK, CAPACITY, LAST, NACK, LineQueue, operation_of
 
 
 @pytest.mark.parametrize(
@@ -34,25 +33,17 @@ def test_a_line_has_one_effect(text: bytes, effect: Operation | None) -> None:
 class Port:
     """A queue with a program, a node that permits every action, and a board that answers when it is told to."""
 
-    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+    def __init__(self, *lines: bytes) -> None:
         self.board = Mock(connected=True, state=0, telemetry=None)
         self.driving = Mock()
-        monkeypatch.setattr(legacy_port, "Driving", lambda *_: self.driving)
-        requests, watch = Mock(), Mock(board=self.board)
-        requests.queue.post_event = lambda run: run()
-        self.terminal = Mock()
-        self.port = LegacyPort(requests, Mock(), watch, Mock(), self.terminal, lambda: True)
-        self._from_board = watch.on_text.call_args.args[0]
-        self.observe = watch.observe.call_args.args[0].observe
-        self.port.opened()
-
-    def take(self, *lines: bytes) -> None:
+        self.written = b""
+        self.queue = LineQueue(self._write, self.board, self.driving)
+        self.queue.program_opened()
         for line in lines:
-            self.port.received(line)
+            self.queue.take(line)
 
-    @property
-    def written(self) -> bytes:
-        return b"".join(call.args[0] for call in self.terminal.write.call_args_list)
+    def _write(self, data: bytes) -> None:
+        self.written += data
 
     @property
     def sent(self) -> list[bytes]:
@@ -67,19 +58,11 @@ class Port:
 
     def answer(self, last: bytes = ACK) -> None:
         for flags, text in ((0, ACK), (LAST, last)):
-            self._from_board(Text(flags=flags, text=text))
-
-    def begin_answer(self) -> None:
-        self._from_board(Text(flags=0, text=ACK))
+            self.queue.receive(Text(flags=flags, text=text), self.queue.openings)
 
 
-@pytest.fixture
-def port(monkeypatch: pytest.MonkeyPatch) -> Port:
-    return Port(monkeypatch)
-
-
-def test_one_line_at_a_time_is_sent_and_refusals_keep_their_place(port: Port) -> None:
-    port.take(b"@MOVRX 5", b"FOO", b"@MOVRX 6")
+def test_one_line_at_a_time_is_sent_and_refusals_keep_their_place() -> None:
+    port = Port(b"@MOVRX 5", b"FOO", b"@MOVRX 6")
     assert (port.sent, port.written) == ([b"@MOVRX 5"], b"")
     port.answer()
     assert (port.sent, port.written) == ([b"@MOVRX 5", b"@MOVRX 6"], ACK * 2 + NACK)
@@ -87,8 +70,8 @@ def test_one_line_at_a_time_is_sent_and_refusals_keep_their_place(port: Port) ->
     assert port.refused == [(b"@MOVRX 6", Reason.BAD_VALUE)]
 
 
-def test_stop_refuses_waiting_motions_and_follows_the_other_lines(port: Port) -> None:
-    port.take(b"@MOVRX 5", b"@MOVRX 6", b"@GETXPOS", b"@STOPALL")
+def test_stop_refuses_waiting_motions_and_follows_the_other_lines() -> None:
+    port = Port(b"@MOVRX 5", b"@MOVRX 6", b"@GETXPOS", b"@STOPALL")
     assert port.sent == [b"@MOVRX 5", b"@GETXPOS", b"@STOPALL"]
     assert port.refused == [(b"@MOVRX 6", Reason.STOPPED)]
     port.answer(NACK)
@@ -96,19 +79,20 @@ def test_stop_refuses_waiting_motions_and_follows_the_other_lines(port: Port) ->
     assert port.refused[-1] == (b"@MOVRX 5", Reason.STOPPED)
 
 
-def test_all_lines_to_a_lost_board_are_answered_and_its_return_begins_anew(port: Port) -> None:
-    port.take(b"@GETXPOS", b"@MOVRX 5")
-    port.begin_answer()
-    port.board.connected = False
-    port.observe()
+def test_all_lines_to_a_lost_board_are_answered_and_its_return_begins_anew() -> None:
+    port = Port(b"@GETXPOS", b"@MOVRX 5")
+    port.queue.receive(Text(flags=0, text=ACK), port.queue.openings)
+    port.board.connected, openings = False, port.queue.openings
+    port.queue.observe()
     assert port.written == ACK + NACK
-    assert port.sent[-1] == b"@MOVRX 5"
-    assert port.board.request.call_args_list == [call(FrameType.TEXT_OPEN)] * 2
+    assert (port.sent[-1], port.queue.openings) == (b"@MOVRX 5", openings + 1)
+    port.queue.receive(Text(flags=LAST, text=ACK), openings)
+    assert port.written == ACK + NACK, "an answer from before belongs to no line"
 
 
-def test_a_program_that_ends_leaves_motors_off_and_no_more_than_the_capacity(port: Port) -> None:
-    port.take(b"@MOVRX 5", b"@ENMOTORS OFF", *[b"@MOVRX 6"] * CAPACITY)
-    port.port.closed()
+def test_a_program_that_ends_leaves_motors_off_and_no_more_than_the_capacity() -> None:
+    port = Port(b"@MOVRX 5", b"@ENMOTORS OFF", *[b"@MOVRX 6"] * CAPACITY)
+    port.queue.program_closed()
     port.answer()
     assert port.sent == [b"@MOVRX 5", b"@ENMOTORS OFF"]
     assert port.refused == [(b"@MOVRX 6", Reason.CLIENT_LOST)] * (CAPACITY - 2)
