@@ -14,7 +14,7 @@ import threading
 import time
 from collections.abc import Callable, Collection
 from typing import Self, TypeVar
-from weakref import WeakSet
+from weakref import WeakValueDictionary
 
 import msgspec
 
@@ -94,7 +94,8 @@ class Client(ProcessBound, Closable):
         """The thread for the user's callbacks; it starts with the first callback."""
         self._lock = threading.Lock()
         self._closed = False
-        self._parts: WeakSet[Closable] = WeakSet()
+        self._parts: WeakValueDictionary[int, Closable] = WeakValueDictionary()
+        """in the order of their beginning"""
         self._media: Bus | None = None
         self.bus.watch_router(self._on_router)
         self._description = keys.program(settings.who, self.bus.session_id)
@@ -159,7 +160,7 @@ class Client(ProcessBound, Closable):
         with self._lock:
             if self._closed:
                 raise WrongUsage(Reason.SHUTDOWN, CLOSED)
-            self._parts.add(part)
+            self._parts[id(part)] = part
 
     def close(self) -> None:
         """Close the session; robots stop its running motions. May be called twice. Does nothing in a forked child."""
@@ -167,8 +168,8 @@ class Client(ProcessBound, Closable):
             return
         with self._lock:
             self._closed = True
-            parts = list(self._parts)
-        for part in parts:
+            parts = list(self._parts.values())
+        for part in reversed(parts):
             part.close()
         self.bus.close()
         with self._lock:  # `media` may be opening its session

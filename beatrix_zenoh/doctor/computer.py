@@ -16,8 +16,6 @@ from beatrix_zenoh import hiding
 from beatrix_zenoh.doctor.checks import CheckResult
 from beatrix_zenoh.requirements import DISTRIBUTION, bounds, distribution, misfits, requirements, suits
 
-ON_LINUX = re.compile(r"sys_platform\s*(==|!=)\s*['\"]linux['\"]\s*\)?\s*and")
-"""Part of the marker of a requirement for Linux only, or for all other systems only."""
 EXTRA = re.compile(r"extra\s*==\s*['\"]([a-z]+)['\"]")
 VIDEO_DEVICES = Path("/dev/v4l/by-path")
 SERIAL_DEVICES = ("ttyACM*", "ttyUSB*", "cu.usbmodem*", "cu.usbserial*")
@@ -57,9 +55,7 @@ def packages() -> Iterator[CheckResult]:
     yield CheckResult(DISTRIBUTION, metadata.version(DISTRIBUTION))
     needs: dict[str, dict[str, str]] = {}
     for line in requirements():
-        only_for, only_on = EXTRA.search(line), ON_LINUX.search(line)
-        if only_on and (only_on[1] == "==") != (sys.platform == "linux"):
-            continue
+        only_for = EXTRA.search(line)
         if distribution(line) != DISTRIBUTION:
             needs.setdefault(only_for[1] if only_for else "", {})[distribution(line)] = line
     needs.pop("all", None)

@@ -80,7 +80,7 @@ def picture(jpeg: bytes, width: int, height: int, t_mono_ns: int, source: str) -
     """Return a picture of this size (pixels).
 
     `t_mono_ns`: monotonic clock of this computer at the exposure, or at the time of the rendered state. `source`:
-    `opencv`, `pattern`, `file`, `egl`, `osmesa` or `rays`.
+    `opencv`, `pattern`, `file`, `egl` or `osmesa`.
     """
     header = FrameHeader(seq=0, t_mono_ns=t_mono_ns, t_wall_ns=0, width=width, height=height, source=source)
     return SensorFrame(jpeg, header)

@@ -120,10 +120,16 @@ def code(*given: Intent, now: World | None = None) -> str:
     return state_after(*given, now=now).view(now or world()).code.text
 
 
+def plain(kind: type) -> type:
+    """Return a class with the same functions, without the hints about parentheses, which hide their signatures."""
+    names = [name for name in dir(kind) if not name.startswith("_")]
+    return type(kind.__name__, (), {name: getattr(kind, name) for name in (*names, "__enter__", "__exit__")})
+
+
 def test_the_program_of_each_row_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     """The mocks accept only the calls of a real robot, with their arguments."""
-    twin, play = create_autospec(Twin, instance=True), MagicMock()
-    twin.sim = twin.hw = robot = create_autospec(Robot, instance=True)
+    twin, play = create_autospec(plain(Twin), instance=True), MagicMock()
+    twin.sim = twin.hw = robot = create_autospec(plain(Robot), instance=True)
     robot.lease = MagicMock()  # its decorator hides the signature
     for preview in (twin.preview, twin.preview_arms):
         preview.return_value = create_autospec(Plan, instance=True)

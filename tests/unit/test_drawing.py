@@ -12,7 +12,7 @@ from beatrix_zenoh.body.scene import Screen, draw
 from beatrix_zenoh.body.surface import Mesh, Modeller
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of
-from beatrix_zenoh.recording.film import VIEW, Array, Pixels, painted
+from beatrix_zenoh.recording.film import SMOOTHING, VIEW, Array, Pixels, painted
 
 SIZE = 640, 480
 ROBOT, SCREEN = Figure(), Screen(VIEW, *SIZE)
@@ -50,4 +50,4 @@ def where(picture: Pixels, colour: tuple[int, int, int]) -> tuple[float, float]:
 def test_a_mark_on_the_head_is_where_the_orientation_puts_it(head: tuple[float, float, float]) -> None:
     place = (0.14, 0.0, 0.1)
     shown = SCREEN.place(np.array(rotation_of(*np.radians(head)))[None] @ place)[0]
-    assert where(picture(marked(place), *head), MARK) == pytest.approx(shown[:2] - 0.5, abs=1.0)
+    assert where(picture(marked(place), *head), MARK) == pytest.approx(shown[:2] / SMOOTHING - 0.5, abs=1.0)
