@@ -40,7 +40,8 @@ def begin_again(window: Window, link: RecordingLink, state: WatchedState | Shown
     class_page.list.setCurrentItem(class_page.list.topLevelItem(0))
     panels.sequence._view = None
     panels._shown.clear()
-    panels.key_sheet.hide()
+    for sheet in (panels.key_sheet, panels.connect_sheet):
+        sheet.hide()
     panels.head3d.look_from(VIEWS["behind"])
     window.refresh()
     qApp.installEventFilter(window.keys)
