@@ -191,12 +191,16 @@ def figures(root: Path) -> Iterator[tuple[str, object]]:
         yield f"lines of code, {package}", lines
     yield "lines of code, the four packages", total
     yield "lines of code, generated", total - sum(map(code_lines, own))
+    lessons = lesson_programs(found)
+    yield (
+        "lines of code, programs of lessons, which are data",
+        sum(code_lines(found[name]) for name in lessons),
+    )
     yield "lines of code, tests", sum(map(code_lines, (root / "tests").rglob("*.py")))
     yield "files", len(found)
     importers = Counter(other for others in graph.values() for other in others)
-    lessons, named = lesson_programs(found), started_by_name(root)
+    named = started_by_name(root)
     named |= {name for name in found if name.endswith(".__main__")}
-    yield "programs of lessons, which are data", len(lessons)
     yield "modules started by name", len(named)
     packages = {name for name, path in found.items() if path.stem == "__init__"}
     counted = graph.keys() - lessons - named - packages
@@ -220,7 +224,7 @@ def _size(graph: Graph) -> str:
 def main(root: Path) -> None:
     """Print the table, then circles and names of more than one class."""
     for title, figure in figures(root):
-        print(f"{title:<40}{figure}")
+        print(f"{title:<51}{figure}")
     found = modules(root)
     for circle in circles(graph_of(found)):
         print("circle:", ", ".join(sorted(circle)))
