@@ -7,7 +7,7 @@ import types
 import typing
 from collections.abc import Callable
 from functools import cache
-from typing import Final, TypeVar, cast, get_args
+from typing import Annotated, Final, TypeVar, cast, get_args
 
 import msgspec
 
@@ -66,11 +66,19 @@ def _printable(kind: object, value: object) -> object:
     return value if clean is None or value is None else clean(value)
 
 
+def _bare(kind: object) -> object:
+    """Return an annotated type without how its value is shown: the type of its text, or without annotations."""
+    base, *said = get_args(kind)
+    return next((text for text in _TEXTS if get_args(text) == (base, said[0])), base)
+
+
 @cache
 def _cleaner(kind: object) -> Callable[[object], object] | None:
     """Return the function that makes the text of values of a type printable; None if they contain no text."""
     if kind in _TEXTS:
         return cast("Callable[[object], object]", _TEXTS[kind])
+    if typing.get_origin(kind) is Annotated:
+        return _cleaner(_bare(kind))
     if typing.get_origin(kind) in (types.UnionType, typing.Union):
         return _cleaner(next(one for one in get_args(kind) if one is not type(None)))
     if typing.get_origin(kind) is list:

@@ -1,17 +1,16 @@
-"""The values in a message as people read them: named, in groups, angles in degrees; from the table of the contract."""
+"""The values in a message as people read them: named, in groups, angles in degrees; as their fields say."""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from enum import Enum
 from functools import cache
-from typing import NamedTuple
+from typing import NamedTuple, get_type_hints
 
 from msgspec import Struct
 
-from beatrix_zenoh.contract._generated.values import VALUES
 from beatrix_zenoh.contract.rows import ValueRow
 
 DEGREES = {"rad": "°", "rad/s": "°/s", "rad/s2": "°/s2"}
@@ -67,10 +66,14 @@ def in_unit(value: float, unit: str) -> float:
 
 @cache
 def rows(kind: type[Struct]) -> Mapping[str, ValueRow]:
-    """Return how the fields of a message are shown; a class that is derived from a message has the rows of it."""
-    known = next((VALUES[base] for base in kind.__mro__ if base in VALUES), {})
-    found = {field: known.get(field, ValueRow()) for field in kind.__struct_fields__}
-    return {field: row._replace(title=row.title or _words(field)) for field, row in found.items()}
+    """Return how the fields of a message are shown."""
+    hints = get_type_hints(kind, include_extras=True)
+    return {field: _row(field, getattr(hints[field], "__metadata__", ())) for field in kind.__struct_fields__}
+
+
+def _row(field: str, said: Iterable[object]) -> ValueRow:
+    row = next((one for one in said if isinstance(one, ValueRow)), ValueRow())
+    return row._replace(title=row.title or _words(field))
 
 
 def _words(field: str) -> str:

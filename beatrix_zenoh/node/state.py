@@ -10,7 +10,7 @@ import math
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from functools import lru_cache
+from functools import cache, lru_cache
 
 import msgspec
 
@@ -26,7 +26,6 @@ from beatrix_zenoh.contract._generated.messages import (
     Reason,
     Status,
 )
-from beatrix_zenoh.contract._generated.values import VALUES
 from beatrix_zenoh.contract.errors import quoted
 from beatrix_zenoh.contract.rows import KeyRow
 from beatrix_zenoh.contract.values import rows
@@ -71,13 +70,6 @@ CHECK_S = 0.2
 """Longest time (s) between two comparisons of the status with the last one: a camera that comes or goes, a reassembled
 neck. After each change of the board's state and each request the controller calls `changed`: it takes more time to
 assemble a status than to publish positions."""
-ON_CHANGE = {
-    kind: [name for name, row in rows(kind).items() if row.on_change]
-    for kind, known in VALUES.items()
-    if not all(row.on_change for row in known.values())
-}
-"""Fields whose change is published at once, by message; clocks and rates, which always change, are left out."""
-
 
 SHIFT_S = 0.0002
 """Largest change (s) of one period of the publications."""
@@ -230,12 +222,18 @@ class Publisher(Component):
             self._publish_events()
 
 
+@cache
+def _changing(kind: type[msgspec.Struct]) -> list[str]:
+    """Return the fields whose change is published at once; clocks and rates, which always change, are left out."""
+    return [name for name, row in rows(kind).items() if row.on_change]
+
+
 def change_fields(value: object) -> object:
     """Return the fields of a status, and of its parts, whose change is published at once."""
     if isinstance(value, list):
         return [change_fields(one) for one in value]
-    if isinstance(value, msgspec.Struct) and type(value) in ON_CHANGE:
-        return [change_fields(getattr(value, name)) for name in ON_CHANGE[type(value)]]
+    if isinstance(value, msgspec.Struct):
+        return [change_fields(getattr(value, name)) for name in _changing(type(value))]
     return value
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import tomllib
 from importlib import resources
+from typing import Annotated
 
 import msgspec
 import numpy as np
@@ -19,9 +20,8 @@ from beatrix_zenoh.client.degrees import EYE_UP_M, bearing
 from beatrix_zenoh.client.robot_base import RobotStatus
 from beatrix_zenoh.client.subscription import CameraImage
 from beatrix_zenoh.contract import values
-from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated import keys, messages
 from beatrix_zenoh.contract._generated.messages import CameraStatus, Head, SeatCount, Status
-from beatrix_zenoh.contract._generated.values import VALUES
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.contract.rows import ValueRow
 from beatrix_zenoh.motion.rotation import rotation_of
@@ -62,16 +62,10 @@ def test_every_value_of_a_status_has_a_group() -> None:
 class OneMore(Status, frozen=True, kw_only=True):
     """A status with one more field, as a contributor adds it."""
 
-    sample_s: float = 2.5
+    sample_s: Annotated[float, ValueRow("sample", "s", "example")] = 2.5
 
 
-def test_a_new_field_is_shown_by_every_program_without_being_named_there(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    row = ValueRow("sample", "s", "example")
-    tables: dict[type[msgspec.Struct], dict[str, ValueRow]] = {**VALUES}
-    tables[OneMore] = VALUES[Status] | {"sample_s": row}
-    monkeypatch.setattr(values, "VALUES", tables)
+def test_a_new_field_is_shown_by_every_program_without_being_named_there() -> None:
     status = OneMore(**msgspec.structs.asdict(READY))
     assert values.lines(status)["example"] == "sample 2.5 s"
     assert "example: sample 2,5 s" in details(status, Texts("de")).splitlines()
@@ -92,12 +86,11 @@ def test_a_new_row_of_keys_is_a_stream(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_german_names_are_those_of_values_and_groups() -> None:
     text = resources.files("gui.console.texts").joinpath("de.toml").read_text(encoding="utf-8")
-    known = {row.title for kind in VALUES for row in values.rows(kind).values()} | {
-        "not",
-        "camera left",
-        "camera right",
-    }
-    known |= {row.group for rows in VALUES.values() for row in rows.values()}
+    kinds = [
+        one for one in vars(messages).values() if isinstance(one, type) and issubclass(one, msgspec.Struct)
+    ]
+    rows = [row for kind in kinds for row in values.rows(kind).values()]
+    known = {"not", "camera left", "camera right", *(word for row in rows for word in (row.title, row.group))}
     assert tomllib.loads(text)["values"].keys() - known == set()
 
 

@@ -10,22 +10,26 @@ from typing import Annotated, Final
 
 from msgspec import Meta, Struct
 
-from beatrix_zenoh.contract.rows import Code, Word
+from beatrix_zenoh.contract.rows import Code, ValueRow, Word
 
 CONTRACT: Final = "37f94b0d"
 """Hash of messages and keys."""
 
+Int16 = Annotated[int, Meta(ge=-(2**15), le=2**15 - 1)]
+Int32 = Annotated[int, Meta(ge=-(2**31), le=2**31 - 1)]
+UInt16 = Annotated[int, Meta(ge=0, le=2**16 - 1)]
+UInt32 = Annotated[int, Meta(ge=0, le=2**32 - 1)]
 FLOAT32_MAX: Final = 3.4028234663852886e38
 Float32 = Annotated[float, Meta(ge=-FLOAT32_MAX, le=FLOAT32_MAX)]
 """Number in single precision; the bounds make decoders reject NaN and infinities."""
 
-Name = Annotated[str, Meta(extra={"wire": "name", "longest": 32})]
+Name = Annotated[str, Meta(extra={"longest": 32})]
 """Name of a robot, side or seat: a-z, 0-9 and -. At most 32 characters."""
 
-Label = Annotated[str, Meta(extra={"wire": "label", "longest": 100})]
+Label = Annotated[str, Meta(extra={"longest": 100})]
 """Version, device, key or other technical text. At most 100 characters."""
 
-Text = Annotated[str, Meta(extra={"wire": "string", "longest": 1000})]
+Text = Annotated[str, Meta(extra={"longest": 1000})]
 """Sentence for people. At most 1000 characters."""
 
 
@@ -236,41 +240,41 @@ class Outcome(Struct, frozen=True, kw_only=True):
 class Sample(Struct, frozen=True, kw_only=True):
     """One of a numbered series, with the clocks of its source."""
 
-    seq: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
-    t_mono_ns: int
-    t_wall_ns: int
+    seq: UInt32
+    t_mono_ns: Annotated[int, ValueRow(title="monotonic clock", unit="ns")]
+    t_wall_ns: Annotated[int, ValueRow(title="wall clock", unit="ns")]
 
 
 class Vector3(Struct, frozen=True, forbid_unknown_fields=True):
     """One number for each arm: x = short, y = middle, z = long; counter-clockwise from above is positive."""
 
-    x: Float32
+    x: Annotated[Float32, ValueRow(title="short")]
     """short arm"""
-    y: Float32
+    y: Annotated[Float32, ValueRow(title="middle")]
     """middle arm"""
-    z: Float32
+    z: Annotated[Float32, ValueRow(title="long")]
     """long arm"""
 
 
 class Steps(Struct, frozen=True, forbid_unknown_fields=True):
     """Microsteps counted by the firmware, per arm."""
 
-    x: Annotated[int, Meta(ge=-(2**31), le=2**31 - 1, extra={"wire": "int32"})]
+    x: Annotated[Int32, ValueRow(title="short")]
     """short arm"""
-    y: Annotated[int, Meta(ge=-(2**31), le=2**31 - 1, extra={"wire": "int32"})]
+    y: Annotated[Int32, ValueRow(title="middle")]
     """middle arm"""
-    z: Annotated[int, Meta(ge=-(2**31), le=2**31 - 1, extra={"wire": "int32"})]
+    z: Annotated[Int32, ValueRow(title="long")]
     """long arm"""
 
 
 class Head(Struct, frozen=True, forbid_unknown_fields=True):
     """Head orientation R = Rz(yaw) Ry(pitch) Rx(roll); x forward, y left, z up (REP-103)."""
 
-    yaw: Float32
+    yaw: Annotated[Float32, ValueRow(unit="rad")]
     """left is positive [rad]"""
-    pitch: Float32
+    pitch: Annotated[Float32, ValueRow(unit="rad")]
     """nose down is positive [rad]"""
-    roll: Float32
+    roll: Annotated[Float32, ValueRow(unit="rad")]
     """right ear down is positive [rad]"""
 
 
@@ -283,7 +287,7 @@ class MotionQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
     """angle of each arm (not of the motor) [rad]"""
     speed: Vector3 | None = None
     """top speed of each arm, > 0; missing: the robot's default [rad/s]"""
-    lease: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})] = 0
+    lease: UInt32 = 0
     """number of the lease under which the request is sent; the request is refused if this lease has ended; 0: no lease"""
     lead: Float32 | None = None
     """if the request goes to both robots of a name: the hardware begins this long after the simulation; missing: it goes to one robot; only recorded in events [s]"""
@@ -304,7 +308,7 @@ class PoseQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """right ear down is positive [rad]"""
     speed: Float32 | None = None
     """top speed of the fastest arm, > 0; missing: the robot's default [rad/s]"""
-    lease: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})] = 0
+    lease: UInt32 = 0
     """number of the lease under which the request is sent; the request is refused if this lease has ended; 0: no lease"""
     lead: Float32 | None = None
     """if the request goes to both robots of a name: the hardware begins this long after the simulation; missing: it goes to one robot; only recorded in events [s]"""
@@ -315,7 +319,7 @@ class PoseQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
 class CommandQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
     """Send a command to the robot."""
 
-    command: Annotated[int, Meta(ge=-(2**15), le=2**15 - 1, extra={"wire": "int16"})]
+    command: Int16
     """number of the command"""
     value: bool = True
     """used by ENABLE: on or off"""
@@ -387,11 +391,11 @@ class FollowQuery(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True)
 class Alternative(Struct, frozen=True, kw_only=True):
     """A request to send instead of the refused one. The node has checked it and would accept it in the present state."""
 
-    arms: Vector3 | None = None
+    arms: Annotated[Vector3 | None, ValueRow(unit="rad")] = None
     """MotionQuery.position, absolute [rad]"""
-    head: Head | None = None
+    head: Annotated[Head | None, ValueRow(unit="rad")] = None
     """the orientation of a PoseQuery, absolute [rad]"""
-    speed: Vector3 | None = None
+    speed: Annotated[Vector3 | None, ValueRow(unit="rad/s")] = None
     """speed of each arm [rad/s]"""
 
 
@@ -412,9 +416,9 @@ class Detail(Struct, frozen=True, kw_only=True):
     """names of the arms concerned"""
     at_goal: bool | None = None
     """true: the goal exceeds the limit; false: the path to it does"""
-    leaves_s: Float32 | None = None
+    leaves_s: Annotated[Float32 | None, ValueRow(unit="s")] = None
     """time from the start of the motion at which it would leave the limits [s]"""
-    leaves_arms: Vector3 | None = None
+    leaves_arms: Annotated[Vector3 | None, ValueRow(unit="rad")] = None
     """arm angles at that time [rad]"""
     field: Text = ""
     """the wrong field or word of the request; of a speed the limit that refuses it, such as speed_limit, the teacher's, or turn_speed, that of this turn, or all that are equal; if there is no answer: the robot"""
@@ -424,7 +428,7 @@ class Detail(Struct, frozen=True, kw_only=True):
     """seat that holds the robot; if the reason is ACCESS_DENIED, the account that the router refuses; if the robot is not online, the account that may not start it"""
     presser: Name = ""
     """seat that has pressed STOP, or the teacher's who has ended the lease; empty: unknown, or another reason"""
-    wait_s: Float32 | None = None
+    wait_s: Annotated[Float32 | None, ValueRow(unit="s")] = None
     """time after which the same request may succeed [s]"""
     needs: list[Label] = []
     """commands to send first, in this order"""
@@ -437,18 +441,18 @@ class MotionReply(Outcome, frozen=True, kw_only=True):
 
     phase: Phase
     """accepted or done"""
-    motion: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
+    motion: UInt16
     """number of this motion, 0 if refused"""
-    duration: Float32
+    duration: Annotated[Float32, ValueRow(unit="s")]
     """accepted: planned time; done: time taken [s]"""
-    position: Vector3
+    position: Annotated[Vector3, ValueRow(unit="rad")]
     """accepted: arm angles of the goal; done: set point of the arms [rad]"""
 
 
 class CommandReply(Outcome, frozen=True, kw_only=True):
     """The outcome of a command or a STOP."""
 
-    position: Vector3
+    position: Annotated[Vector3, ValueRow(unit="rad")]
     """set point of the arms; after STOP: arm angles at rest [rad]"""
 
 
@@ -468,7 +472,7 @@ class ErrorReply(Struct, frozen=True, kw_only=True):
 class LeaseReply(Outcome, frozen=True, kw_only=True):
     """The outcome of a lease query."""
 
-    lease: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
+    lease: UInt32
     """number of the lease if it is the caller's, otherwise 0"""
     holder: Name
     """seat that holds the robot; empty: free"""
@@ -479,34 +483,34 @@ class LeaseReply(Outcome, frozen=True, kw_only=True):
 class PreviewReply(Outcome, frozen=True, kw_only=True):
     """The result of a motion on a copy of the simulation, computed faster than real time. The robot does not move."""
 
-    duration: Float32
+    duration: Annotated[Float32, ValueRow(unit="s")]
     """time until the arms rest [s]"""
-    tilt_max: Float32
+    tilt_max: Annotated[Float32, ValueRow(unit="rad")]
     """largest tilt of the head on the way [rad]"""
-    gap_min: Float32
+    gap_min: Annotated[Float32, ValueRow(unit="rad")]
     """smallest gap between neighbouring arms on the way [rad]"""
-    t: list[Float32]
+    t: Annotated[list[Float32], ValueRow(unit="s")]
     """times of the samples from the start [s]"""
-    arms: list[Vector3]
+    arms: Annotated[list[Vector3], ValueRow(unit="rad")]
     """arm angles at these times, measured in the copy of the simulation [rad]"""
-    head: list[Head]
+    head: Annotated[list[Head], ValueRow(unit="rad")]
     """head orientation at these times [rad]"""
 
 
 class Positions(Sample, frozen=True, kw_only=True):
     """Position of the robot; always published 50 times a second."""
 
-    position: Vector3
+    position: Annotated[Vector3, ValueRow(unit="rad")]
     """arm angles; simulation: measured in the physics; hardware: counted steps [rad]"""
-    velocity: Vector3
+    velocity: Annotated[Vector3, ValueRow(unit="rad/s")]
     """velocity of the arms [rad/s]"""
-    commanded: Vector3
+    commanded: Annotated[Vector3, ValueRow(unit="rad")]
     """the firmware's set point [rad]"""
     steps: Steps
     """the firmware's step counters"""
-    head: Head
+    head: Annotated[Head, ValueRow(unit="rad")]
     """orientation by forward kinematics of `position` [rad]"""
-    head_measured: Head | None = None
+    head_measured: Annotated[Head | None, ValueRow(unit="rad")] = None
     """measured orientation, if the robot measures it [rad]"""
     repeated: bool = False
     """true: the node has had no new telemetry since its last publication; the time stamps and positions are those of it"""
@@ -525,26 +529,26 @@ class BoardStatus(Struct, frozen=True, kw_only=True):
     """version of the firmware"""
     contract: Label
     """hash of its serial contract"""
-    boot: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
+    boot: UInt32
     """number of starts of the board"""
-    rejected_frames: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
+    rejected_frames: UInt32
     """frames rejected by board or node: wrong checksum or length"""
-    retries: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
+    retries: UInt32
     """requests that the node has repeated"""
-    overflowed_bytes: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})] = 0
+    overflowed_bytes: UInt32 = 0
     """bytes dropped by the board since its start because its buffer was full; 255: that many or more"""
 
 
 class PlantStatus(Struct, frozen=True, kw_only=True):
     """The physics of a simulation."""
 
-    real_time_factor: Float32
+    real_time_factor: Annotated[Float32, ValueRow(decimals=2)]
     """simulated seconds per second, averaged over the last seconds"""
-    late_steps: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
+    late_steps: UInt32
     """physics steps that were more than 10 ms late"""
-    slipped_steps: Annotated[int, Meta(ge=-(2**31), le=2**31 - 1, extra={"wire": "int32"})]
+    slipped_steps: Int32
     """full motor steps lost since calibration, all arms together"""
-    re_placed: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
+    re_placed: Annotated[UInt32, ValueRow(title="neck put back")]
     """number of times that the neck was put back into its home assembly"""
 
 
@@ -557,11 +561,11 @@ class CameraStatus(Struct, frozen=True, kw_only=True):
     """the camera is connected, or the pictures can be rendered"""
     streaming: bool
     """the node publishes pictures: a client subscribes and the camera delivers"""
-    hz: Float32
+    hz: Annotated[Float32, ValueRow(title="rate", unit="1/s", on_change=False)]
     """pictures published per second, over the last two seconds [1/s]"""
-    width: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
+    width: Annotated[UInt16, ValueRow(unit="px")]
     """width of the newest picture; 0: none yet [px]"""
-    height: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
+    height: Annotated[UInt16, ValueRow(unit="px")]
     """height of the newest picture; 0: none yet [px]"""
     source: Label
     """source of the pictures: `opencv`, `pattern`, `file`, or the OpenGL of a simulation, for example `egl`"""
@@ -576,11 +580,11 @@ class MicrophonesStatus(Struct, frozen=True, kw_only=True):
     """the microphones are connected, or the sound can be computed"""
     streaming: bool
     """the microphones are on: a client subscribes, and the node publishes sound"""
-    rate: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
+    rate: Annotated[UInt32, ValueRow(title="sampling rate", unit="1/s")]
     """frames per second [1/s]"""
     source: Label
     """source of the sound: `device`, `file`, `tone` or `simulation`"""
-    dropped: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})] = 0
+    dropped: Annotated[UInt32, ValueRow(on_change=False)] = 0
     """frames lost before they reached the node, since it started"""
     trouble: Text = ""
     """a sentence: why there is no sound, and what to do; empty: no fault"""
@@ -591,60 +595,60 @@ class SeatCount(Struct, frozen=True, kw_only=True):
 
     seat: Name
     """seat; empty: unknown"""
-    count: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
+    count: UInt32
     """how often"""
 
 
 class Status(Struct, frozen=True, kw_only=True):
     """State of the robot; published once a second, and at once when a field changes, except clocks, rates and the physics."""
 
-    t_mono_ns: int
+    t_mono_ns: Annotated[int, ValueRow(title="monotonic clock", unit="ns", group="clocks", on_change=False)]
     """monotonic clock of the source [ns]"""
-    t_wall_ns: int
+    t_wall_ns: Annotated[int, ValueRow(title="wall clock", unit="ns", group="clocks", on_change=False)]
     """wall clock of the source, since 1970 [ns]"""
-    robot: Name
+    robot: Annotated[Name, ValueRow(group="robot")]
     """name of the robot"""
-    side: Name
+    side: Annotated[Name, ValueRow(group="robot")]
     """`hw` or `sim`"""
-    enabled: bool
+    enabled: Annotated[bool, ValueRow(group="state")]
     """motors on"""
-    calibrated: bool
+    calibrated: Annotated[bool, ValueRow(group="state")]
     """home is known"""
-    moving: bool
+    moving: Annotated[bool, ValueRow(group="state")]
     """a motion is running"""
-    motion: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
+    motion: Annotated[UInt16, ValueRow(group="state")]
     """number of the running or last motion, 0: none yet"""
-    fault: Fault
+    fault: Annotated[Fault, ValueRow(group="state")]
     """NONE, or the fault"""
-    warnings: list[Text]
+    warnings: Annotated[list[Text], ValueRow(group="state")]
     """sentences for the user"""
-    calibrations: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
+    calibrations: Annotated[UInt32, ValueRow(group="state")]
     """number of times that home was set since the node started; a plan made before the last calibration is invalid"""
-    holder: Name
+    holder: Annotated[Name, ValueRow(group="lease")]
     """seat that holds the robot; empty: free"""
-    lease: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})] = 0
+    lease: Annotated[UInt32, ValueRow(group="lease")] = 0
     """number of the lease that the holder has taken; 0: it holds the robot by its motion only"""
-    waiting: list[Name] = []
+    waiting: Annotated[list[Name], ValueRow(group="lease")] = []
     """seats that wait for the robot, the next first"""
-    turn_s: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})] = 0
+    turn_s: Annotated[UInt16, ValueRow(unit="s", group="lease", on_change=False)] = 0
     """time until the turn of the holder ends, rounded up; 0: no end is set, because no seat waits [s]"""
-    frozen: bool = False
+    frozen: Annotated[bool, ValueRow(group="lease")] = False
     """the teacher has frozen the robot"""
-    speed_limit: Float32 = 0.0
+    speed_limit: Annotated[Float32, ValueRow(unit="rad/s", group="lease")] = 0.0
     """limit that the teacher has set for every arm; 0: none [rad/s]"""
-    muted: list[Text] = []
+    muted: Annotated[list[Text], ValueRow(group="lease")] = []
     """seats that the teacher has muted"""
-    teacher_latch: bool = False
+    teacher_latch: Annotated[bool, ValueRow(group="lease")] = False
     """the teacher has pressed EMERGENCY_STOP: only the teacher may send RESET"""
-    stops: list[SeatCount] = []
+    stops: Annotated[list[SeatCount], ValueRow(group="stops", on_change=False)] = []
     """seats that have sent STOP since the node started, and how often; the first 64 of them"""
     board: BoardStatus
     """the board"""
-    following: FollowState = FollowState.OFF
+    following: Annotated[FollowState, ValueRow(group="state")] = FollowState.OFF
     """whether this simulation follows the hardware of its name; `motion` is 0 meanwhile"""
-    plant: PlantStatus | None = None
+    plant: Annotated[PlantStatus | None, ValueRow(title="physics", on_change=False)] = None
     """the physics; only of a simulation"""
-    cameras: list[CameraStatus] = []
+    cameras: Annotated[list[CameraStatus], ValueRow(title="camera")] = []
     """the cameras; empty: none"""
     microphones: MicrophonesStatus | None = None
     """the microphones; missing: none"""
@@ -653,11 +657,11 @@ class Status(Struct, frozen=True, kw_only=True):
 class TargetReply(Outcome, frozen=True, kw_only=True):
     """The place of the person in the simulated scene."""
 
-    x: Float32
+    x: Annotated[Float32, ValueRow(unit="m")]
     """the person's eyes, forward of the neck's centre [m]"""
-    y: Float32
+    y: Annotated[Float32, ValueRow(unit="m")]
     """left of the neck's centre [m]"""
-    z: Float32
+    z: Annotated[Float32, ValueRow(unit="m")]
     """above the neck's centre [m]"""
 
 
@@ -666,13 +670,13 @@ class SoundReply(Outcome, frozen=True, kw_only=True):
 
     play: Label
     """what plays, as in SoundQuery; `silence`: nothing"""
-    seconds: Float32
+    seconds: Annotated[Float32, ValueRow(unit="s")]
     """how much longer it plays [s]"""
-    x: Float32
+    x: Annotated[Float32, ValueRow(unit="m")]
     """the source, forward of the neck's centre [m]"""
-    y: Float32
+    y: Annotated[Float32, ValueRow(unit="m")]
     """left of the neck's centre [m]"""
-    z: Float32
+    z: Annotated[Float32, ValueRow(unit="m")]
     """above the neck's centre [m]"""
     mouth: bool
     """true: the source is the mouth of the person"""
@@ -691,22 +695,22 @@ class NoteReply(Struct, frozen=True, kw_only=True):
     """name of the recording's file, without its folder"""
     title: Label = ""
     """title of the recording; empty: none"""
-    t_wall_ns: int
+    t_wall_ns: Annotated[int, ValueRow(unit="ns")]
     """time of the note by the wall clock of the recording computer, since 1970 [ns]"""
 
 
 class LessonState(Struct, frozen=True, kw_only=True):
     """What a seat has reached in a lesson; `beatrix lesson check` and `hint` publish it. It names no person and has no text of the program."""
 
-    version: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
+    version: UInt16
     """version of the lesson"""
-    tries: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
+    tries: UInt16
     """checks that have judged the program"""
-    hints: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
+    hints: UInt16
     """hints that were shown"""
     figure: Label = ""
     """first figure that the last check has found unmet; empty: none; not-measured: the computer was too busy for a verdict"""
-    stuck: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
+    stuck: UInt16
     """checks since one has ended at a figure for the first time"""
     passed: bool
     """a program of this seat has passed"""
@@ -715,9 +719,9 @@ class LessonState(Struct, frozen=True, kw_only=True):
 class FrameHeader(Sample, frozen=True, kw_only=True):
     """Attachment of a picture."""
 
-    width: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
+    width: Annotated[UInt16, ValueRow(unit="px")]
     """width of the picture [px]"""
-    height: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})]
+    height: Annotated[UInt16, ValueRow(unit="px")]
     """height of the picture [px]"""
     source: Label = ""
     """as in CameraStatus"""
@@ -726,9 +730,9 @@ class FrameHeader(Sample, frozen=True, kw_only=True):
 class SoundHeader(Sample, frozen=True, kw_only=True):
     """Attachment of a block of sound."""
 
-    rate: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})]
+    rate: Annotated[UInt32, ValueRow(unit="1/s")]
     """frames per second [1/s]"""
-    dropped: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})] = 0
+    dropped: UInt32 = 0
     """frames lost before they reached the node, since it started; an increase is a gap before this block"""
     source: Label = ""
     """as in MicrophonesStatus"""
@@ -751,11 +755,11 @@ class Event(Sample, frozen=True, kw_only=True):
     """OK, or the reason of the refusal or interruption"""
     message: Text = ""
     """the event as a sentence"""
-    motion: Annotated[int, Meta(ge=0, le=2**16 - 1, extra={"wire": "uint16"})] = 0
+    motion: UInt16 = 0
     """number of the motion; 0: none"""
-    duration: Float32 = 0.0
+    duration: Annotated[Float32, ValueRow(unit="s")] = 0.0
     """accepted: planned time; done: time taken [s]"""
-    count: Annotated[int, Meta(ge=0, le=2**32 - 1, extra={"wire": "uint32"})] = 1
+    count: UInt32 = 1
     """number of similar events that this event represents: in a flood the node counts similar events instead of sending each"""
     detail: Detail | None = None
     """the refusal as data"""
@@ -765,7 +769,7 @@ class Event(Sample, frozen=True, kw_only=True):
     """accepted: the motion of the arms as it was requested"""
     pose_query: PoseQuery | None = None
     """accepted: the motion of the head as it was requested"""
-    position: Vector3 | None = None
+    position: Annotated[Vector3 | None, ValueRow(unit="rad")] = None
     """of a motion, as in MotionReply. accepted: arm angles of the goal, missing if it was refused; done: set point of the arms [rad]"""
 
 
@@ -779,9 +783,9 @@ class Events(Struct, frozen=True, kw_only=True):
 class Clock(Struct, frozen=True, kw_only=True):
     """Clocks of the node's computer, for offset estimates."""
 
-    t_mono_ns: int
+    t_mono_ns: Annotated[int, ValueRow(unit="ns")]
     """monotonic clock [ns]"""
-    t_wall_ns: int
+    t_wall_ns: Annotated[int, ValueRow(unit="ns")]
     """wall clock since 1970 [ns]"""
 
 
@@ -803,59 +807,59 @@ class KeyInfo(Struct, frozen=True, kw_only=True, rename={"doc_": "doc"}):
 class LimitInfo(Struct, frozen=True, kw_only=True):
     """Limits of every motion."""
 
-    tilt_max: Float32
+    tilt_max: Annotated[Float32, ValueRow(unit="rad")]
     """largest tilt of the head [rad]"""
-    gap_min: Float32
+    gap_min: Annotated[Float32, ValueRow(unit="rad")]
     """smallest gap between neighbouring arms [rad]"""
-    yaw_max: Float32
+    yaw_max: Annotated[Float32, ValueRow(unit="rad")]
     """largest yaw of the head in either direction [rad]"""
-    speed_default: Float32
+    speed_default: Annotated[Float32, ValueRow(unit="rad/s")]
     """default speed of an arm [rad/s]"""
-    speed_max: Float32
+    speed_max: Annotated[Float32, ValueRow(unit="rad/s")]
     """largest speed of an arm [rad/s]"""
-    acceleration: Float32
+    acceleration: Annotated[Float32, ValueRow(unit="rad/s2")]
     """acceleration of an arm [rad/s2]"""
 
 
 class GeometryInfo(Struct, frozen=True, kw_only=True):
     """Geometry of the neck, for its kinematics."""
 
-    arm_angle: Float32
+    arm_angle: Annotated[Float32, ValueRow(unit="rad")]
     """angle from the common vertical axis to the elbow axis [rad]"""
-    rod_twist: Float32
+    rod_twist: Annotated[Float32, ValueRow(unit="rad")]
     """angle from the elbow axis to the skull mount axis [rad]"""
-    mount_angle: Float32
+    mount_angle: Annotated[Float32, ValueRow(unit="rad")]
     """angle from the head axis to the skull mount axis [rad]"""
-    arm0_azimuth: Float32
+    arm0_azimuth: Annotated[Float32, ValueRow(unit="rad")]
     """direction of the short arm at home, from x (forward) towards y (left) [rad]"""
-    arm_spacing: Float32
+    arm_spacing: Annotated[Float32, ValueRow(unit="rad")]
     """angle from arm to arm at home [rad]"""
-    hand: Annotated[int, Meta(ge=-(2**15), le=2**15 - 1, extra={"wire": "int16"})]
+    hand: Int16
     """+1: rods run counter-clockwise from arm to mount, -1: clockwise"""
 
 
 class Info(Struct, frozen=True, kw_only=True):
     """All data that a program without the library needs to drive this robot."""
 
-    robot: Name
+    robot: Annotated[Name, ValueRow(group="robot")]
     """name of the robot"""
-    side: Name
+    side: Annotated[Name, ValueRow(group="robot")]
     """`hw` or `sim`"""
-    version: Label
+    version: Annotated[Label, ValueRow(group="robot")]
     """version of the beatrix-zenoh package"""
-    contract: Label
+    contract: Annotated[Label, ValueRow(group="robot")]
     """hash of the Zenoh messages and keys"""
-    firmware: Label
+    firmware: Annotated[Label, ValueRow(group="robot")]
     """version of the firmware; empty: no board"""
-    steps_per_turn: Float32
+    steps_per_turn: Annotated[Float32, ValueRow(group="robot")]
     """microsteps per turn of an arm"""
-    arms: list[Label]
+    arms: Annotated[list[Label], ValueRow(group="robot")]
     """names of x, y, z"""
     limits: LimitInfo
     """limits in force"""
     geometry: GeometryInfo | None = None
     """geometry in use"""
-    fingerprint: Label | None = None
+    fingerprint: Annotated[Label | None, ValueRow(group="robot")] = None
     """hash of all values of the robot: equal if simulation and hardware were started with the same robot file"""
     commands: list[Text]
     """`number NAME: what it does`"""
