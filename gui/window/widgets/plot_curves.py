@@ -68,7 +68,7 @@ class Curves(QWidget):
         self.plot.hideButtons()
         self.plot.showGrid(x=True, y=True, alpha=0.2)
         in_column(self.label, (self.area, 1), gap=0, margins=NO_MARGINS, inside=self)
-        self.lines = [self.plot.plot(connect="finite", antialias=True, clipToView=True) for _ in names]
+        self.lines = [self.plot.plot(connect="finite", antialias=True) for _ in names]
         self._cursor = pg.InfiniteLine(angle=90)
         self._cursor.hide()
         self.plot.addItem(self._cursor, ignoreBounds=True)

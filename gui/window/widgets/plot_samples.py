@@ -78,6 +78,13 @@ def sample_time_s(state: RobotState, now_s: float) -> float:
     return stamp_s if abs(stamp_s - arrived_s) < FOREIGN_S else arrived_s
 
 
+def between(rows: Samples, begin_s: float, end_s: float) -> Samples:
+    """Return the samples between two times, and the next one on either side, so that lines reach the edges."""
+    first = int(np.searchsorted(rows[:, 0], begin_s)) - 1
+    last = int(np.searchsorted(rows[:, 0], end_s, side="right"))
+    return rows[max(0, first) : last + 1]
+
+
 def difference(hw: Samples, sim: Samples) -> Samples:
     """Return hardware minus simulation (deg) at the times of the hardware (s), shape (n, 4).
 

@@ -28,6 +28,7 @@ from gui.window.widgets.plot_samples import (
     SPAN_MAX_S,
     History,
     Samples,
+    between,
     difference,
     numbers,
     sample_time_s,
@@ -222,7 +223,7 @@ class PlotsPanel(FilePanel):
 
     def _draw(self) -> None:
         samples = self._samples()
-        hw, sim = (samples[side] for side in BOTH)
+        hw, sim = (between(samples[side], self._begin_s, self._end_s) for side in BOTH)
         apart = difference(hw, sim)
         for name, curves in self.plots.items():
             if name == DIFFERENCE:
