@@ -104,7 +104,7 @@ def test_undo_and_the_page_of_the_class_belong_to_the_router_that_was_left() -> 
     (send,) = state.handle(SendHead(), teacher)
     assert isinstance(send, Send)
     state.report(Outcome(send.row, "sim", accepted=True, done=True))
-    assert state.view(teacher).commands.undo.enabled
+    assert state.view(teacher).commands.buttons["undo"].enabled
     state.handle(TogglePage(), teacher)
     actions: list[Action] = state.handle(UseAccount(Path("ana.toml")), teacher)
     assert UseAccount(Path("ana.toml")) in actions
@@ -112,7 +112,7 @@ def test_undo_and_the_page_of_the_class_belong_to_the_router_that_was_left() -> 
     state.follow(now)
     shown = state.view(now)
     assert shown.choices.page is WindowPage.ROBOT
-    assert not shown.commands.undo.enabled
+    assert not shown.commands.buttons["undo"].enabled
 
 
 # -- real routers ---------------------------------------------------------------------------------

@@ -49,7 +49,14 @@ FULL = Trouble("trouble.recorder", "1", "The disk is full.")
 
 def motion_buttons(view: View) -> list[ButtonView]:
     rows = [button for row in view.arms.rows for button in (row.minus, row.plus)]
-    return [*rows, view.head.send, view.commands.home, view.commands.undo, view.poses.go, view.poses.play]
+    return [
+        *rows,
+        view.head.send,
+        view.commands.buttons["home"],
+        view.commands.buttons["undo"],
+        view.poses.go,
+        view.poses.play,
+    ]
 
 
 # -- modes -------------------------------------------------------------------------------------------
@@ -258,7 +265,7 @@ def test_choosing_another_robot_selects_it_and_clears_the_undo_list() -> None:
     now = world(names=("bea2", "bea1"))
     assert state.view(now).robots == ("bea1", "bea2")
     assert state.handle(ChooseRobot("bea2"), now) == [ChooseRobot("bea2")]
-    assert not state.view(now).commands.undo.enabled
+    assert not state.view(now).commands.buttons["undo"].enabled
 
 
 # -- microphones -------------------------------------------------------------------------------------

@@ -199,7 +199,9 @@ class AnyOrder(RuleBasedStateMachine):
         assert len(places) <= 1, "one refusal at a time, where the request was made"
         if not view.choices.sides:
             buttons = [button for row in view.arms.rows for button in (row.minus, row.plus)]
-            assert not any(button.enabled for button in [*buttons, view.head.send, view.commands.home])
+            assert not any(
+                button.enabled for button in [*buttons, view.head.send, view.commands.buttons["home"]]
+            )
 
 
 AnyOrder.TestCase.settings = settings(max_examples=15, stateful_step_count=20, deadline=None)

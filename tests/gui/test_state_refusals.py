@@ -180,14 +180,14 @@ def test_undo_goes_back_through_accepted_motions() -> None:
     accept(state, 2)
     state.handle(Jog("short", 1), world(robot("sim", arms=(20, 0, 0))))
     refused(state, None, Reason.ARM_GAP)
-    assert "short 15.0°" in state.view(here).commands.undo.tooltip
+    assert "short 15.0°" in state.view(here).commands.buttons["undo"].tooltip
     back = sent(state.handle(intents.Undo(), here))
     assert (arms_of(back), back.query.absolute) == ((15, 0, 0), True)
     further = sent(state.handle(intents.Undo(), here))
     assert arms_of(further) == (10, 0, 0), "an undo that is not answered yet is not sent twice"
     accept(state, back.row)
     accept(state, further.row)
-    assert not state.view(here).commands.undo.enabled
+    assert not state.view(here).commands.buttons["undo"].enabled
     assert state.handle(intents.Undo(), here) == []
 
 
@@ -199,13 +199,13 @@ def test_undo_moves_no_robot_that_did_not_make_the_motion() -> None:
     state.handle(Play(0, (), gesture="yes"), start)
     accept(state, 2)
     state.handle(BOTH, start)
-    assert state.view(start).commands.undo.tooltip.startswith("Simulation: ")
+    assert state.view(start).commands.buttons["undo"].tooltip.startswith("Simulation: ")
     back = sent(state.handle(intents.Undo(), start))
     assert (back.sides, arms_of(back)) == (("sim",), (10, 0, 0))
     state.handle(intents.Choose("sim", value=False), start)
     back = sent(state.handle(intents.Undo(), start))
     assert (back.sides, arms_of(back)) == (("hw",), (0, 0, 0))
-    assert not state.view(start).commands.undo.enabled
+    assert not state.view(start).commands.buttons["undo"].enabled
     state.handle(intents.Choose("sim", value=True), start)
     back = sent(state.handle(intents.Undo(), start))
     assert back.sides == ("sim",), "the hardware has gone back already"

@@ -12,20 +12,22 @@ from gui.console.state.views import ButtonView, CommandsView, RecordView, button
 from gui.console.state.world import LinkPhase, World
 
 CONTROL, CLASS = "commands", "class"
+DAILY = ("home", "undo")
+"""Commands of every day, large buttons of the window; the menus of the pills contain the others."""
 
 
 def view(memory: Memory) -> CommandsView:
     """Return the buttons, and the refusal of one of them."""
     question = memory.choices.texts("command.disable_question") if memory.choices.hw else ""
-    return CommandsView(
-        calibrate=_button(memory, "calibrate", RunCommand(Command.CALIBRATE)),
-        home=_button(memory, "home", RunCommand(Command.HOME)),
-        enable=_button(memory, "enable", RunCommand(Command.ENABLE)),
-        disable=_button(memory, "disable", RunCommand(Command.ENABLE, value=False), question),
-        reset=_button(memory, "reset", RunCommand(Command.RESET)),
-        undo=_undo(memory),
-        refusal=refusals.at(memory, (CONTROL, sequence.CONTROL)),
-    )
+    buttons = {
+        "home": _button(memory, "home", RunCommand(Command.HOME)),
+        "undo": _undo(memory),
+        "enable": _button(memory, "enable", RunCommand(Command.ENABLE)),
+        "calibrate": _button(memory, "calibrate", RunCommand(Command.CALIBRATE)),
+        "disable": _button(memory, "disable", RunCommand(Command.ENABLE, value=False), question),
+        "reset": _button(memory, "reset", RunCommand(Command.RESET)),
+    }
+    return CommandsView(buttons, refusals.at(memory, (CONTROL, sequence.CONTROL)))
 
 
 def stop_button(memory: Memory) -> ButtonView:

@@ -228,14 +228,9 @@ class CodeView:
 
 @dataclass(frozen=True)
 class CommandsView:
-    """Calibrate, Home, Enable, Disable, Reset, Undo."""
+    """The commands, by name."""
 
-    calibrate: ButtonView
-    home: ButtonView
-    enable: ButtonView
-    disable: ButtonView
-    reset: ButtonView
-    undo: ButtonView
+    buttons: dict[str, ButtonView]
     refusal: RefusalView | None = None
 
 

@@ -112,7 +112,7 @@ const SHOW = {
   choices: showChoices,
   sending: showSending,
   commands: (commands) => {
-    for (const name of ["enable", "calibrate", "home", "disable", "reset", "undo"]) bind(byId(name), commands[name]);
+    for (const [name, button] of Object.entries(commands.buttons)) if (byId(name)) bind(byId(name), button);
     showRefusal("refusal-commands", commands.refusal);
   },
   poses: showPoses,

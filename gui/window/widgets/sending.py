@@ -5,6 +5,7 @@ from __future__ import annotations
 from PyQt5.QtCore import QSignalBlocker, Qt, pyqtSignal
 from PyQt5.QtWidgets import QLayout, QProgressBar, QPushButton, QSizePolicy, QWidget
 
+from gui.console.state.commands import DAILY
 from gui.console.state.intents import Choose, WindowPage
 from gui.console.state.views import CommandsView, View
 from gui.console.texts import Texts
@@ -92,8 +93,6 @@ class SendingPanel(Panel):
         set_role(self.send, "main", "false" if waits else "true")  # the next press is Send now, or Send
 
 
-DAILY = ("home", "undo")
-"""Commands of every day; the menus of the pills contain the others."""
 STOP_PX = 56
 """Height of the bar of STOP; the style sheet contains it, too."""
 
@@ -112,7 +111,7 @@ class CommandsPanel(Panel):
     def show_view(self, view: CommandsView) -> None:
         """Show the buttons."""
         for name, button in self.buttons.items():
-            button.show_view(getattr(view, name))
+            button.show_view(view.buttons[name])
 
 
 class StopBar(QPushButton):
