@@ -174,7 +174,8 @@ def _is_description(key: str) -> bool:
 
 CONTROL = "control"
 """Traffic class of tokens, STOP and commands; its session is always open and is closed last."""
-PERIOD_S = 1.0
+PERIOD_S, TURN_S = 1.0, 10.0
+"""Time (s) between checks of all sessions, and between those of one session where many nodes share a process."""
 ANSWER_S = 1.0
 FAILURES = 2
 """Failed checks in a row before a session is renewed; just after a reconnection one check may fail."""
@@ -204,7 +205,7 @@ class SessionWatchdog:
     ) -> None:
         """`opened` returns the sessions by traffic class, the control session first.
 
-        `in_turn`: check one of them in each period, because a process with many nodes may have a hundred.
+        `in_turn`: check one of them every TURN_S, because a process with many nodes may have a hundred.
         """
         self._opened, self._listener, self._in_turn = opened, listener, in_turn
         self._ended = threading.Event()
@@ -219,7 +220,7 @@ class SessionWatchdog:
 
     def _run(self) -> None:
         for turn in itertools.count():
-            if self._ended.wait(PERIOD_S):
+            if self._ended.wait(TURN_S if self._in_turn else PERIOD_S):
                 return
             opened = list(self._opened().items())
             control = opened[0][1]
