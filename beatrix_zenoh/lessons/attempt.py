@@ -30,7 +30,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lessons import bench, slips
 from beatrix_zenoh.lessons.bench import Bench, Course
-from beatrix_zenoh.lessons.function_child import ALARM_CODE, SLOWER, Reply, plain
+from beatrix_zenoh.lessons.function_child import ALARM_CODE, SLOWER, FunctionReply, plain
 from beatrix_zenoh.lessons.guarded import LineChild, NoReply, Run
 from beatrix_zenoh.lessons.phrases import ErrorData, NotMeasurable, Phrase, Still, Unmet, busy, phrase, shown
 from beatrix_zenoh.lessons.program import Program
@@ -351,7 +351,7 @@ def _watch(stage: Stage, seconds: float) -> None:
         watch.take()
 
 
-def _answer(ask: Callable[[], Reply], limit_s: float, what: Phrase) -> Reply:
+def _answer(ask: Callable[[], FunctionReply], limit_s: float, what: Phrase) -> FunctionReply:
     """Return an answer of the child process; without one raise Unmet, or NotMeasurable if it is still busy."""
     began_s = time.monotonic()
     try:

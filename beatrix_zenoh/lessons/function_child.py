@@ -32,7 +32,7 @@ ODD = 60
 """Longest text of a value that an answer quotes."""
 
 
-class Reply(msgspec.Struct):
+class FunctionReply(msgspec.Struct):
     """An answer: the value of a function, or what stands in place of it."""
 
     value: object = None
@@ -65,7 +65,7 @@ def main(words: list[str]) -> int:
     except BaseException as error:  # noqa: BLE001 - the pupil's code may raise any, SystemExit included
         write(answers, failed(error, path))
         return 1
-    write(answers, Reply())
+    write(answers, FunctionReply())
     for line in requests:
         request = json.loads(line)
         with limited(request["limit_s"]):
@@ -85,14 +85,14 @@ def load(path: Path) -> ModuleType:
     return module
 
 
-def call(module: ModuleType, path: Path, name: str, arguments: list[object]) -> Reply:
+def call(module: ModuleType, path: Path, name: str, arguments: list[object]) -> FunctionReply:
     """Return the answer with the value of a function, or with the error."""
     function: Callable[..., object] | None = getattr(module, name, None)
     if not callable(function):
         own = [
             key for key, value in vars(module).items() if getattr(value, "__module__", "") == module.__name__
         ]
-        return Reply(missing=own)
+        return FunctionReply(missing=own)
     began_s = time.process_time()
     try:
         value = function(*arguments)
@@ -100,9 +100,9 @@ def call(module: ModuleType, path: Path, name: str, arguments: list[object]) -> 
         return failed(error, path)
     used_s = time.process_time() - began_s
     try:
-        return Reply(plain(value), used_s)
+        return FunctionReply(plain(value), used_s)
     except TypeError:
-        return Reply(odd=repr(value)[:ODD])
+        return FunctionReply(odd=repr(value)[:ODD])
 
 
 def plain(value: object) -> object:
@@ -118,14 +118,14 @@ def plain(value: object) -> object:
     raise TypeError
 
 
-def failed(error: BaseException, path: Path) -> Reply:
+def failed(error: BaseException, path: Path) -> FunctionReply:
     """Return the error, and the number of the last line of the pupil's file in its traceback."""
     if isinstance(error, SyntaxError):
-        return Reply(error=ErrorData(error.msg, type(error).__name__), line=error.lineno or 0)
+        return FunctionReply(error=ErrorData(error.msg, type(error).__name__), line=error.lineno or 0)
     lines = [
         frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == str(path)
     ]
-    return Reply(error=error_data(error), line=(lines[-1] if lines else None) or 0)
+    return FunctionReply(error=error_data(error), line=(lines[-1] if lines else None) or 0)
 
 
 @contextlib.contextmanager
@@ -149,7 +149,7 @@ def alarm(seconds: float) -> None:
         signal.setitimer(signal.ITIMER_PROF, seconds)
 
 
-def write(answers: IO[str], answer: Reply) -> None:
+def write(answers: IO[str], answer: FunctionReply) -> None:
     """Write an answer as one line."""
     answers.write(json.dumps(msgspec.to_builtins(answer)) + "\n")
     answers.flush()

@@ -24,7 +24,7 @@ import msgspec
 from beatrix_zenoh import processes, threads
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.codec import UNREADABLE
-from beatrix_zenoh.lessons.function_child import Reply
+from beatrix_zenoh.lessons.function_child import FunctionReply
 from beatrix_zenoh.lessons.phrases import ErrorData, Phrase, Unmet, phrase
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.sandbox import Sandbox
@@ -148,7 +148,7 @@ class LineChild(Guarded):
             self._lines.put(line)
         self._lines.put(None)
 
-    def ask(self, request: Mapping[str, object], timeout_s: float) -> Reply:
+    def ask(self, request: Mapping[str, object], timeout_s: float) -> FunctionReply:
         """Return the answer to a request; raises NoReply after `timeout_s` (s), and if the child has ended."""
         assert self.requests is not None
         try:
@@ -158,7 +158,7 @@ class LineChild(Guarded):
             raise NoReply(exit_code(self.process)) from error
         return self.reply(timeout_s)
 
-    def reply(self, timeout_s: float) -> Reply:
+    def reply(self, timeout_s: float) -> FunctionReply:
         """Return the next line; raises the errors of `ask`."""
         try:
             line = self._lines.get(timeout=timeout_s)
@@ -166,7 +166,9 @@ class LineChild(Guarded):
             raise NoReply from None
         if line is None:
             raise NoReply(exit_code(self.process))
-        return msgspec.convert(json.loads(line), Reply)  # JSON of Python has nan, and integers of any size
+        return msgspec.convert(
+            json.loads(line), FunctionReply
+        )  # JSON of Python has nan, and integers of any size
 
     def close(self) -> None:
         """End the child, which holds nothing that it would have to save."""

@@ -21,7 +21,7 @@ from gui.console.link.jobs import Jobs
 from gui.console.link.jogging import Held
 from gui.console.link.outcomes import WindowError, done, failed, replaced
 from gui.console.link.programs import FaceProgram, Following
-from gui.console.link.request import OneMotion, PlannedMotion, Program, Question, Report, Request
+from gui.console.link.request import OneMotion, Program, Question, Report, RobotRequest, TwinMotionRequest
 from gui.console.state import actions
 from gui.console.state.actions import Outcome
 from gui.console.state.world import PlanProgress
@@ -47,7 +47,7 @@ class Moving:
         self._jobs, self._report = jobs, report
         self.face = FaceProgram()
         self._lock = threading.Lock()
-        self._requests: list[Request] = []
+        self._requests: list[RobotRequest] = []
         """those that wait or are under way, the oldest first"""
         self._held: Held | None = None
         """the newest press of a held button"""
@@ -63,8 +63,8 @@ class Moving:
         plans = self._plans()
         return plans[-1].progress() if plans else None
 
-    def _plans(self) -> list[PlannedMotion]:
-        return [request for request in self._requests.copy() if isinstance(request, PlannedMotion)]
+    def _plans(self) -> list[TwinMotionRequest]:
+        return [request for request in self._requests.copy() if isinstance(request, TwinMotionRequest)]
 
     @property
     def program(self) -> Program | None:
@@ -83,7 +83,7 @@ class Moving:
             return
         match action:
             case actions.Send(row=row, query=query, lead_s=lead_s) if len(robots) > 1:
-                self._put(PlannedMotion(row, twin, query, lead_s))
+                self._put(TwinMotionRequest(row, twin, query, lead_s))
             case actions.Send(row=row, query=query):
                 self._put(OneMotion(row, robots[0], query))
             case actions.Play():
@@ -150,18 +150,18 @@ class Moving:
             if isinstance(request, OneMotion):
                 request.halt()
 
-    def _end(self, request: Request, why: BeatrixError) -> None:
+    def _end(self, request: RobotRequest, why: BeatrixError) -> None:
         """End a request; one that still waits is over at once."""
         request.end(why)
         if not request.running:
             self._finish(request, failed(request.row, request.side, why))
 
-    def _finish(self, request: Request, outcome: Outcome) -> None:
+    def _finish(self, request: RobotRequest, outcome: Outcome) -> None:
         """Report the last outcome, unless that was done before."""
         if self._remove(request):
             self._report(outcome)
 
-    def _remove(self, request: Request) -> bool:
+    def _remove(self, request: RobotRequest) -> bool:
         """Forget a request; return False if that was done before."""
         request.over.set()
         with self._lock:
@@ -172,14 +172,14 @@ class Moving:
 
     # -- one after the other in each queue ----------------------------------------------------------
 
-    def _put(self, request: Request) -> None:
+    def _put(self, request: RobotRequest) -> None:
         """Queue a request, which ends what it replaces."""
         programs = self._make_way(request) if request.moves else []
         with self._lock:
             self._requests.append(request)
         self._jobs.put(request.queue, lambda: self._run(request, programs))
 
-    def _make_way(self, new: Request) -> list[Program]:
+    def _make_way(self, new: RobotRequest) -> list[Program]:
         """End what a new motion replaces, and return the programs that it must wait for.
 
         A robot replaces the motion that it makes by itself.
@@ -193,7 +193,7 @@ class Moving:
                 self._end(request, replaced())
         return programs
 
-    def _run(self, request: Request, programs: list[Program]) -> None:
+    def _run(self, request: RobotRequest, programs: list[Program]) -> None:
         for program in programs:
             program.over.wait(PROGRAM_S)
         if request.over.is_set():
@@ -215,7 +215,7 @@ class Moving:
             self._end_leading()
         motion.add_done_callback(lambda motion: self._ended(request, motion, began_s))
 
-    def _tell(self, request: Request, outcome: Outcome) -> None:
+    def _tell(self, request: RobotRequest, outcome: Outcome) -> None:
         """Report an outcome that is not the last one."""
         if not request.over.is_set():
             self._report(outcome)
@@ -225,7 +225,7 @@ class Moving:
             if request.leading:
                 self._end(request, replaced())
 
-    def _ended(self, request: Request, motion: Motion | TwinMotion, began_s: float) -> None:
+    def _ended(self, request: RobotRequest, motion: Motion | TwinMotion, began_s: float) -> None:
         error = motion.exception(0.0)
         if isinstance(error, BeatrixError):
             self._finish(request, failed(request.row, request.side, _explained(error)))

@@ -29,7 +29,7 @@ AGAIN_S: Final = 0.05
 Report = Callable[[Outcome], None]
 
 
-class Request(ABC):
+class RobotRequest(ABC):
     """One request; any thread may end it."""
 
     moves = True
@@ -73,7 +73,7 @@ class Request(ABC):
             self.ending, self.ends = why, True
 
 
-class Question(Request):
+class Question(RobotRequest):
     """A command or a lease query."""
 
     moves = False
@@ -89,7 +89,7 @@ class Question(Request):
         return self._ask(self._robot)
 
 
-class OneMotion(Request):
+class OneMotion(RobotRequest):
     """A motion of one robot."""
 
     def __init__(self, row: int, robot: Robot, query: MotionQuery | PoseQuery) -> None:
@@ -112,7 +112,7 @@ class OneMotion(Request):
             publish_stop(self._robot.client, self._robot.place)
 
 
-class PlannedMotion(Request):
+class TwinMotionRequest(RobotRequest):
     """A motion of both robots: previewed, made by the simulation, and after the lead sent to the hardware."""
 
     def __init__(self, row: int, twin: Twin, query: MotionQuery | PoseQuery, lead_s: float) -> None:
@@ -175,7 +175,7 @@ class PlannedMotion(Request):
             motion.end(self.ending)
 
 
-class Program(Request):
+class Program(RobotRequest):
     """What moves robots until it ends or must end; its thread looks whether it must."""
 
     def __init__(self, row: int, sides: tuple[str, ...], side: str) -> None:
