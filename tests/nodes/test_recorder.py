@@ -168,7 +168,11 @@ def test_a_robot_may_leave_and_return_during_a_recording(stage: Stage, tmp_path:
     assert process.end(signal.SIGTERM) == 0
     recorded = read(path)
     assert list(recorded.robots) == [("guest", "hw")]
-    assert recorded_values(path, "guest/hw/state", STATE).count("lost") == 2
+    states = recorded_values(path, "guest/hw/state", STATE)
+    # A busy computer may be silent for long enough to count as lost once more.
+    assert states.count("lost") >= 2
+    assert states[::2] == ["disabled"] * (len(states) // 2)
+    assert states[1::2] == ["lost"] * (len(states) // 2)
     gaps = np.diff(recorded.robots["guest", "hw"].time_ns)
     assert np.max(gaps) > 500_000_000
 
