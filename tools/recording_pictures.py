@@ -21,7 +21,6 @@ from viewer_pictures import FILES, pictures
 
 from beatrix_zenoh import Interrupted, Refused, Twin
 from beatrix_zenoh.recording.film import side_by_side
-from beatrix_zenoh.recording.rrd.read import read_eyes
 from beatrix_zenoh.recording.verbs.export import opened
 
 NAME = "bea1"
@@ -66,8 +65,7 @@ def small(png: bytes) -> bytes:
 def film_frame(path: Path, moment_s: float) -> bytes:
     """Return the frame of a recording's film at a moment (s since 1970), as PNG."""
     table = opened([path], 0.0, None, ())
-    eyes = read_eyes([path], list(table.robots), table.first_ns, table.last_ns)
-    frames = side_by_side(table, NAME, eyes)
+    frames = side_by_side(table, NAME)
     frame = next(frame for frame in frames if frame.time_ns >= moment_s * 1e9)
     picture = io.BytesIO()
     Image.fromarray(frame.pixels).quantize(256, dither=Image.Dither.NONE).save(picture, "PNG", optimize=True)

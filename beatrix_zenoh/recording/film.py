@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import bisect
-import functools
 import io
 import itertools
 import math
@@ -21,10 +19,10 @@ from PIL import Image, ImageDraw, ImageFont
 
 from beatrix_zenoh.body.figure import Figure, meshes
 from beatrix_zenoh.body.scene import HeadDrawing, Screen, Viewpoint, draw
-from beatrix_zenoh.contract.names import ARMS, EYES, SIDE_TITLES, SIDES
+from beatrix_zenoh.contract.names import ARMS, SIDE_TITLES, SIDES
 from beatrix_zenoh.motion.rotation import rotation_of
 from beatrix_zenoh.recording.export import Block, Table
-from beatrix_zenoh.recording.samples import EyePicture, EyePictures
+from beatrix_zenoh.recording.samples import EyePicture
 from beatrix_zenoh.recording.series import HEAD
 
 Array = npt.NDArray[np.float64]
@@ -40,12 +38,7 @@ STEPS: Final = 2
 """Steps of the grid of 20 ms between two frames: 25 frames a second."""
 PANEL: Final = (640, 480)
 """Size of the drawing of one robot (pixels)."""
-EYE: Final = (320, 240)
-OLD_NS: Final = 1_500_000_000
-"""An eye whose last picture is older than this is shown without one."""
 INK: Final = (45, 52, 60)
-EMPTY: Final = (70, 76, 84)
-PALE: Final = (200, 205, 210)
 
 
 class FilmFrame(NamedTuple):
@@ -98,25 +91,18 @@ def eye_frames(pictures: Sequence[EyePicture]) -> Iterator[FilmFrame]:
         yield FilmFrame(picture.time_ns, np.asarray(image if image.size == size else image.resize(size)))
 
 
-def side_by_side(table: Table, name: str, eyes: EyePictures) -> Iterator[FilmFrame]:
-    """Yield the drawings of simulation and hardware of a robot, with the pictures of their eyes below, if there are any.
+def side_by_side(table: Table, name: str) -> Iterator[FilmFrame]:
+    """Yield the drawings of simulation and hardware of a robot.
 
     The robots have the geometry of the project. A robot without samples at a time is not drawn.
     """
     sides = [side for side in SIDES if (name, side) in table.robots]
     drawings = {side: PoseRenderer(Figure(), *PANEL) for side in sides}
-    with_eyes = any(key[:1] == (name,) for key in eyes)
-    canvas = Image.new("RGB", (PANEL[0] * len(sides), PANEL[1] + EYE[1] * with_eyes), BACKGROUND)
+    canvas = Image.new("RGB", (PANEL[0] * len(sides), PANEL[1]))
     for time_ns, time_s, block, row in frame_rows(table):
         for column, side in enumerate(sides):
-            left = column * PANEL[0]
-            canvas.paste(
-                panel(drawings[side], block, row, f"{name}_{side}_", f"{name}, {SIDE_TITLES[side]}"),
-                (left, 0),
-            )
-            for index, eye in enumerate(EYES if with_eyes else ()):
-                picture = eye_tile(eyes.get((name, side, eye), []), time_ns, eye)
-                canvas.paste(picture, (left + index * EYE[0], PANEL[1]))
+            drawn = panel(drawings[side], block, row, f"{name}_{side}_", f"{name}, {SIDE_TITLES[side]}")
+            canvas.paste(drawn, (column * PANEL[0], 0))
         write(canvas, (canvas.width - 16, 12), f"{time_s:.2f} s", anchor="ra")
         yield FilmFrame(time_ns, np.asarray(canvas))
 
@@ -145,25 +131,6 @@ def panel(drawing: PoseRenderer, block: Block, row: int, robot: str, title: str)
     return image
 
 
-def eye_tile(pictures: Sequence[EyePicture], time_ns: int, eye: str) -> Image.Image:
-    """Return the newest picture of an eye at a time, in the size EYE, or a tile that says that there is none."""
-    index = bisect.bisect_right(pictures, time_ns, key=lambda picture: picture.time_ns) - 1
-    old = index < 0 or time_ns - pictures[index].time_ns > OLD_NS
-    seen = None if old else tile_of(pictures[index].jpeg)
-    if seen is not None:
-        return seen
-    image = Image.new("RGB", EYE, EMPTY)
-    write(image, (EYE[0] // 2, EYE[1] // 2), f"no picture of the {eye} eye", anchor="mm", colour=PALE)
-    return image
-
-
-@functools.lru_cache(maxsize=4)
-def tile_of(jpeg: bytes) -> Image.Image | None:
-    """Return a picture in the size EYE; each of the four eyes shows its newest one in many frames of a film."""
-    picture = decoded(jpeg)
-    return None if picture is None else picture.resize(EYE)
-
-
 def decoded(jpeg: bytes) -> Image.Image | None:
     """Return a picture; None if it is damaged."""
     try:
@@ -172,17 +139,10 @@ def decoded(jpeg: bytes) -> Image.Image | None:
         return None
 
 
-def write(
-    image: Image.Image,
-    at: tuple[int, int],
-    text: str,
-    *,
-    anchor: str = "la",
-    colour: tuple[int, int, int] = INK,
-) -> None:
+def write(image: Image.Image, at: tuple[int, int], text: str, *, anchor: str = "la") -> None:
     """Write text into a picture; the anchor is Pillow's."""
     font = ImageFont.load_default(size=20)
-    ImageDraw.Draw(image).text(at, text, fill=colour, font=font, anchor=anchor)
+    ImageDraw.Draw(image).text(at, text, fill=INK, font=font, anchor=anchor)
 
 
 TICKS: Final = 90_000

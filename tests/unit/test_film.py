@@ -18,7 +18,7 @@ from written_recordings import BEGAN_NS, STEP_NS, write_lesson
 from beatrix_zenoh.body.figure import Figure
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.client.sound import Sound
-from beatrix_zenoh.recording.film import EMPTY, EYE, PANEL, Pixels, PoseRenderer
+from beatrix_zenoh.recording.film import PANEL, Pixels, PoseRenderer
 from beatrix_zenoh.recording.rows import Frame, Numbers, RecordingRow, SoundRow, of_robot
 from beatrix_zenoh.recording.rrd.read import read, read_sound
 from beatrix_zenoh.recording.sound import rows_of
@@ -58,7 +58,7 @@ def test_both_robots_stand_beside_each_other(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    write_lesson(Path("lesson.rrd"), (SIM, HW), rows=101, more=eye(SIM, "left"))
+    write_lesson(Path("lesson.rrd"), (SIM, HW), rows=101)
     words = "export lesson.rrd lesson.csv --video both.mp4 --from 0.36 --to 0.44 --json"
     assert app.run(words.split()) == 0
     assert json.loads(capsys.readouterr().out) == {
@@ -68,15 +68,12 @@ def test_both_robots_stand_beside_each_other(
     times_s, pictures = decoded(Path("both.mp4"))
     assert times_s == pytest.approx([k / 25 for k in range(3)], abs=1 / 45_000)
     last = pictures[-1]
-    assert last.shape == (PANEL[1] + EYE[1], 2 * PANEL[0], 3)
+    assert last.shape == (PANEL[1], 2 * PANEL[0], 3)
     samples = read(Path("lesson.rrd")).robots[SIM]
     wanted = PoseRenderer(Figure(), *PANEL).picture(samples.arms[22], samples.head[22])
     for column in (0, PANEL[0]):
-        shown = last[60 : PANEL[1], column : column + PANEL[0]]
+        shown = last[60:, column : column + PANEL[0]]
         assert np.abs(shown.astype(int) - wanted[60:]).mean() < 3
-    left, right = last[PANEL[1] + 40, 40], last[PANEL[1] + 40, EYE[0] + 40]
-    assert np.abs(left.astype(int) - COLOURS[2]).max() < 12, "the newest picture"
-    assert np.abs(right.astype(int) - EMPTY).max() < 12
 
 
 def test_a_film_of_an_eye_has_each_whole_picture_at_its_time_and_says_how_many_it_leaves_out(

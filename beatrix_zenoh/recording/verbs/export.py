@@ -26,7 +26,6 @@ if TYPE_CHECKING:  # importing numpy and rerun would delay every verb
 
 WAV = ".wav"
 FILM = ".mp4"
-NO_PICTURES = ", without pictures of the eyes, which were not recorded (`beatrix record --cameras 5`)"
 
 
 class EyeName(StrEnum):
@@ -84,8 +83,7 @@ def export(
     """Write a recording as a table (CSV, Parquet), film or sound.
 
     A row every 20 ms, with all robots side by side; fields are empty where samples are missing. Units are in the names of the
-    columns; docs/how-to/analyse.md lists them. --video shows the models of both robots with the pictures of their eyes, or
-    with --eye one eye.
+    columns; docs/how-to/analyse.md lists them. --video shows the models of both robots, or with --eye what one eye saw.
     """
     check_options(video, sound, eye, on)
     recordings, out = sources_and_table(files, alone=video is not None or sound is not None)
@@ -207,13 +205,12 @@ def written_film(
 
     sides = dict(sorted(table.robots))
     name, _ = only(sides.items(), None, None, "positions of")
-    eyes = read_eyes(recordings, list(table.robots), table.first_ns, table.last_ns)
     pictures: Sequence[EyePicture] = ()
     if eye is None:
         titles = [SIDE_TITLES[side] for side in SIDES if (name, side) in table.robots]
-        without = "" if any(robot == name for robot, _, _ in eyes) else NO_PICTURES
-        shows, frames = f"{name}, {' and '.join(titles)}{without}", side_by_side(table, name, eyes)
+        shows, frames = f"{name}, {' and '.join(titles)}", side_by_side(table, name)
     else:
+        eyes = read_eyes(recordings, list(table.robots), table.first_ns, table.last_ns)
         seen = [(robot, side) for robot, side, of in eyes if of == eye]
         _, side = only(seen, name, on, f"pictures of the {eye} eye (`record --cameras 5`) of")
         pictures = eyes[name, side, eye]
