@@ -34,8 +34,6 @@ from gui.page.messages import DRIVING, OWN, ButtonHeld
 
 HISTORY: Final = 40
 """Largest number of rows of the history of a page."""
-POSES: Final = 50
-"""Largest number of poses of a page."""
 UNREAD_MAX: Final = 20
 """Largest number of unconfirmed views of a browser; it gets no more until it confirms one."""
 QUIET_S: Final = 0.5
@@ -188,7 +186,7 @@ class Face:
             **{
                 name: getattr(view, name)
                 for name in (
-                    *("title", "robot", "arms", "sending", "commands", "poses"),
+                    *("title", "robot", "arms", "sending", "commands", "sequence"),
                     *("last", "stop", "emergency"),
                 )
             },
@@ -220,8 +218,6 @@ class Face:
         """Carry out an intent of the page; if it needs a page that drives and this one does not, show a sentence."""
         if isinstance(intent, DRIVING) and self.driver is None:
             self.notify("page.watching")
-            return
-        if isinstance(intent, intents.SavePose) and len(self.state.saved.poses) >= POSES:
             return
         if self.driver is not None and isinstance(intent, DRIVING):
             self.notify("")

@@ -84,7 +84,7 @@ OWN: Final = (
     | intents.DismissRefusal
     | intents.DismissNotice
     | intents.DeletePose
-    | intents.SavePose
+    | intents.AddPose
     | SetDuration
     | actions.ChooseRobot
     | intents.EmergencyStop
@@ -101,8 +101,7 @@ DRIVING: Final = (
     | intents.TakeAlternative
     | intents.Undo
     | intents.Repeat
-    | intents.GoToPose
-    | intents.PlayPoses
+    | intents.PlaySequence
 )
 """Intents of a page that drives. No page may use other ones, for example those that start programs or name files."""
 CHOICES: Final = ("language", "speed", "lead_s", "sim", "hw", "cameras")
@@ -143,11 +142,6 @@ def _possible(request: Request) -> bool:
             possible = name in CHOICES and changed(UNCHANGED, name, value) is not None
         case intents.AimHead(yaw=yaw, pitch=pitch, roll=roll):
             possible = max(abs(yaw), abs(pitch), abs(roll)) <= ANGLE_MAX
-        case (
-            intents.SavePose(name=name)
-            | intents.DeletePose(name=name)
-            | intents.GoToPose(name=name)
-            | SetDuration(name=name)
-        ):
+        case intents.AddPose(name=name) | intents.DeletePose(name=name) | SetDuration(name=name):
             possible = len(name) <= NAME_MAX
     return possible

@@ -106,8 +106,8 @@ PRESSES = st.sampled_from(
         intents.Undo(),
         intents.Choose("language", "de"),
         Play(0, (), Path("it's\nmine.csv")),
-        intents.SavePose("nod"),
-        intents.PlayPoses(),
+        intents.AddPose("nod"),
+        intents.PlaySequence("sim"),
     ]
 )
 ENDS = st.sampled_from([Reason.OK, Reason.REPLACED, Reason.STOPPED, Reason.OUT_OF_REACH, None])

@@ -201,7 +201,7 @@ def test_choices_of_the_browser_return_and_texts_follow_the_language(browser: We
     )
     view = page.state(lambda view: view["language"] == "de", "German")
     assert (view["texts"]["page.drive"], view["pills"][1]["title"]) == ("Steuern", "Hardware")
-    assert (view["choices"]["speed"], view["poses"]["names"]) == (12, ["hoch"])
+    assert (view["choices"]["speed"], [card["name"] for card in view["sequence"]["cards"]]) == (12, ["hoch"])
     page.send("Choose", name="language", value="en")
     view = page.state(lambda view: view["saved"]["language"] == "en", "English")
     assert view["saved"]["poses"][0]["name"] == "hoch"

@@ -99,7 +99,7 @@ def driving(theme: intents.Theme, language: str, now: World) -> State:
     ):
         state.handle(intent, now)
     for name in ("nod", "left", "shy"):
-        state.handle(intents.SavePose(name), now)
+        state.handle(intents.AddPose(name), now)
     reported(state, intents.Jog("short", 1), now)
     reported(state, intents.AimHead(20.0, -10.0, 5.0), now)
     reported(state, intents.SendHead(), now)

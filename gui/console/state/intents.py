@@ -148,28 +148,6 @@ class Repeat(Intent, frozen=True):
     """number of the row"""
 
 
-class SavePose(Intent, frozen=True):
-    """Save the present arm angles under a name."""
-
-    name: str
-
-
-class DeletePose(Intent, frozen=True):
-    """Delete a saved pose."""
-
-    name: str
-
-
-class GoToPose(Intent, frozen=True):
-    """Turn the arms to a saved pose."""
-
-    name: str
-
-
-class PlayPoses(Intent, frozen=True):
-    """Play saved poses one after the other, in the order of their list."""
-
-
 class Choose(Intent, frozen=True):
     """Change a choice of the user."""
 
@@ -180,6 +158,15 @@ class Choose(Intent, frozen=True):
 
 class AddPose(Intent, frozen=True):
     """Add the target of the pad, or the present pose, at the end."""
+
+    name: str = ""
+    """empty: `pose-1`, or the next free number"""
+
+
+class DeletePose(Intent, frozen=True):
+    """Delete a pose."""
+
+    name: str
 
 
 class MovePose(Intent, frozen=True):

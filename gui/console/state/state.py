@@ -15,7 +15,6 @@ from gui.console.state import (
     leases,
     missions,
     pills,
-    poses,
     refusals,
     sending,
     sequence,
@@ -39,7 +38,7 @@ def choose(memory: Memory, world: World, intent: Choose) -> list[Action]:
 
 TOPICS = (
     *(arms, class_page, commands, connecting, gestures, leases),
-    *(history, poses, refusals, sending, sequence),
+    *(history, refusals, sending, sequence),
 )
 HANDLES: Handles = {
     Choose: choose,
@@ -85,7 +84,6 @@ class State:
             arms=arms.view(memory, world),
             sending=sending.view(memory, world),
             commands=commands.view(memory),
-            poses=poses.view(memory, world),
             gestures=gestures.view(memory, world),
             sequence=sequence.view(memory, world),
             eyes=eyes.view(memory, world),

@@ -12,7 +12,7 @@ const ROTATIONS = { yaw: [1, -1], pitch: [-1, 1], roll: [-1, 1] };
 const ARMS = ["short", "middle", "long"];
 const COLUMNS = ["robot", "side", "state", "driver", "turn", "waiting", "rate", "age", "remarks"];
 const KEYS = { ArrowLeft: "yaw-plus", ArrowRight: "yaw-minus", ArrowUp: "pitch-minus", ArrowDown: "pitch-plus" };
-const WATCHERS = ["ChooseRobot", "DismissNotice", "DismissRefusal", "EmergencyStop", "SavePose", "DeletePose", "SetDuration"];
+const WATCHERS = ["ChooseRobot", "DismissNotice", "DismissRefusal", "EmergencyStop", "AddPose", "DeletePose", "SetDuration"];
 
 const byId = (id) => document.getElementById(id);
 const token = document.querySelector("meta[name=token]").content;
@@ -115,7 +115,7 @@ const SHOW = {
     for (const [name, button] of Object.entries(commands.buttons)) if (byId(name)) bind(byId(name), button);
     showRefusal("refusal-commands", commands.refusal);
   },
-  poses: showPoses,
+  sequence: showSequence,
   history: (rows) => byId("history").replaceChildren(...rows.map(historyRow)),
   class: (rows) => {
     const cells = (row) => row.cells.map((cell) => make("td", cell));
@@ -241,16 +241,23 @@ function showSending(sending) {
   for (const name of ["send_now", "change", "abort"]) bind(byId(name), sending[name]);
 }
 
-function showPoses(poses) {
+function showSequence({ cards, add, play, hardware }) {
   const list = byId("pose");
   const chosen = list.value;
-  list.replaceChildren(...poses.names.map((name) => new Option(name, name)));
-  if (!poses.names.length) list.append(new Option(text("label.poses_empty"), ""));
-  if (poses.names.includes(chosen)) list.value = chosen;
-  for (const name of ["go", "delete"]) bind(byId(name), poses[name], () => ({ name: list.value }));
-  bind(byId("save"), poses.save, () => ({ name: byId("pose-name").value }));
-  bind(byId("play"), poses.play);
-  set(byId("playing"), poses.playing);
+  list.replaceChildren(...cards.map((card) => new Option(card.name, card.name)));
+  if (!cards.length) list.append(new Option(text("label.poses_empty"), ""));
+  if (cards.some((card) => card.name === chosen)) list.value = chosen;
+  const own = (name, intent) => ({ text: text(`page.${name}`), tooltip: text(`page.${name}_tip`), intent, enabled: cards.length > 0 });
+  bind(byId("delete"), own("delete", { do: "DeletePose" }), () => ({ name: list.value }));
+  bind(byId("go"), own("go", { do: "SendHead" })).onclick = () => {
+    const { head } = cards.find((card) => card.name === list.value);
+    if (!head) return; // no head can have this pose
+    send({ do: "AimHead", ...head });
+    send({ do: "SendHead" });
+  };
+  bind(byId("add"), add, () => ({ name: byId("pose-name").value }));
+  bind(byId("play"), play);
+  bind(byId("hardware"), hardware);
 }
 
 function historyRow(row) {
