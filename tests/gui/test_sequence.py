@@ -272,7 +272,6 @@ def test_invalid_requests_are_refused_with_a_reason() -> None:
         (State(), intents.PlaySequence("sim"), world(), "no pose yet"),
         (State(), intents.SaveSequence(Path("a.csv")), world(), "no pose yet"),
         (State(), intents.AddPose(), unknown, "unknown"),
-        (editing(NOD), intents.SaveSequence(Path()), world(), "needs a name"),
     ]
     for state, intent, now, text in cases:
         assert state.handle(intent, now) == []

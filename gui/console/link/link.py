@@ -21,7 +21,7 @@ from gui.console.link.jobs import Jobs
 from gui.console.link.moving import Moving, RobotAction
 from gui.console.link.outcomes import WindowError, failed, stopped, write
 from gui.console.link.pictures import Camera, CameraStream, LevelStream, OnImage, Watcher, levels
-from gui.console.link.programs import Following, copy
+from gui.console.link.programs import Following
 from gui.console.link.routers import Routers, own_account
 from gui.console.link.stopping import send_stop
 from gui.console.state import actions
@@ -166,8 +166,7 @@ class Link:
             actions.UseRouter: self._routers.choose,
             actions.UseAccount: self._routers.choose,
             actions.EndFollowing: lambda _: moving.end_following(),
-            actions.CopyProgram: lambda action: self._keep(lambda: copy(action)),
-            actions.WriteFile: lambda action: self._keep(lambda: write(action)),
+            actions.WriteFile: self._write,
         }
 
     def _see(self, session: Session, eye: Camera) -> CameraStream:
@@ -186,8 +185,8 @@ class Link:
             self.moving.deselect()
         self._connection.select(robot)
 
-    def _keep(self, write: Callable[[], Outcome]) -> None:
-        self._jobs.put("files", lambda: self._report(write()))
+    def _write(self, action: actions.WriteFile) -> None:
+        self._jobs.put("files", lambda: self._report(write(action)))
 
     def _report(self, outcome: Outcome) -> None:
         """Report an outcome on a thread of the link, in the order of the calls."""

@@ -10,7 +10,7 @@ from beatrix_zenoh.contract._generated.messages import Command
 from gui.console.state import actions, refusals, sending, sequence
 from gui.console.state.actions import NEW, Action, MakeReady, SendCommand, SendStop, WriteFile
 from gui.console.state.intents import EmergencyStop, Intent, Repeat, RunCommand, Stop, Undo, WindowPage
-from gui.console.state.memory import Handles, Memory, Request, RequestRow, again, begin, pass_on, send_arms
+from gui.console.state.memory import Handles, Memory, Request, RequestRow, again, begin, send_arms
 from gui.console.state.views import ButtonView, CommandsView, RecordView, button
 from gui.console.state.world import LinkPhase, World
 
@@ -79,8 +79,8 @@ def run(memory: Memory, world: World, intent: RunCommand) -> list[Action]:
     return begin(memory, world, request, CONTROL)
 
 
-def make_ready(memory: Memory, world: World, intent: MakeReady) -> list[Action]:
-    """Return the action that enables and calibrates a robot."""
+def request(memory: Memory, world: World, intent: MakeReady | WriteFile) -> list[Action]:
+    """Return the action that makes a robot ready, or writes a file of the user, for example the exported plots."""
     return begin(memory, world, intent, CONTROL)
 
 
@@ -141,13 +141,6 @@ def sets_home(request: Request) -> bool:
     )
 
 
-def write(memory: Memory, world: World, intent: WriteFile) -> list[Action]:
-    """Return the action that writes a file of the user, for example the exported plots."""
-    return (
-        begin(memory, world, intent, CONTROL) if intent.file.name else memory.refuse(CONTROL, "cannot.file")
-    )
-
-
 def recording_view(memory: Memory, world: World) -> RecordView:
     """Return the Record button, the duration, and the button that opens the recording."""
     texts, recording = memory.choices.texts, world.recording
@@ -172,11 +165,8 @@ HANDLES: Handles = {
     Stop: stop,
     EmergencyStop: stop,
     RunCommand: run,
-    MakeReady: make_ready,
+    MakeReady: request,
     Repeat: repeat,
     Undo: undo,
-    WriteFile: write,
-    actions.BeginRecording: pass_on,
-    actions.EndRecording: pass_on,
-    actions.ViewRecording: pass_on,
+    WriteFile: request,
 }

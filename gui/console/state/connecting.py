@@ -11,7 +11,7 @@ from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 from gui.console.state import actions
 from gui.console.state.actions import Action, ConnectHardware, LookForPorts, StartSimulation
 from gui.console.state.intents import Intent
-from gui.console.state.memory import Handles, Memory, pass_on
+from gui.console.state.memory import Handles, Memory
 from gui.console.state.views import ButtonView, ConnectView, RouterView, button
 from gui.console.state.world import LinkPhase, OwnAccount, UsbPort, World, online
 from gui.console.texts import Texts
@@ -173,7 +173,6 @@ def _serves(world: World) -> bool:
 
 HANDLES: Handles = {
     StartSimulation: simulate,
-    actions.Retry: pass_on,
     LookForPorts: look_for_ports,
     ConnectHardware: use_port,
     CloseConnect: close,

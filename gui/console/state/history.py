@@ -238,8 +238,6 @@ def _other(request: Request, texts: Texts) -> str:
             key = other_seats.WHATS[action.value]
         case actions.FollowFace():
             key = "what.follow_face"
-        case actions.CopyProgram(file=file):
-            key, slots = "what.copy_program", {"file": str(file)}
         case actions.WriteFile(file=file):
             key, slots = "what.save", {"title": file.name}
     return texts(key, **slots)
@@ -316,8 +314,6 @@ def _lines(row: RequestRow, texts: Texts) -> list[CodeLine]:
 
 def save(memory: Memory, world: World, intent: SaveProgram) -> list[Action]:
     """Return the action that writes the program so far."""
-    if not intent.file.name:
-        return memory.refuse(CONTROL, "cannot.file")
     text = code_view(memory, world).text
     return begin(memory, world, WriteFile(NEW, intent.file, text), CONTROL)
 

@@ -238,8 +238,6 @@ def _save(memory: Memory, world: World, intent: intents.SaveSequence) -> list[Ac
     """Return the action that writes the sequence; in files it begins at home."""
     if not memory.poses:
         return memory.refuse(CONTROL, NONE)
-    if not intent.file.name:
-        return memory.refuse(CONTROL, "cannot.file")
     limits, loop = timing.limits_of(world), intent.program and memory.choices.loop
     if _refuse_short(memory, timing.HOME, limits, loop=loop):
         return []

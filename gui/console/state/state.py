@@ -21,7 +21,7 @@ from gui.console.state import (
 )
 from gui.console.state.actions import Action, Outcome
 from gui.console.state.intents import Choose, Intent, WindowPage
-from gui.console.state.memory import Handles, Memory
+from gui.console.state.memory import Handles, Memory, pass_on
 from gui.console.state.saved import Choices, Remembered, Saved, changed, choices_from
 from gui.console.state.views import HistoryRowView, View
 from gui.console.state.world import World
@@ -118,7 +118,7 @@ class State:
         memory = self._memory
         if memory.choices.page is WindowPage.CLASS and isinstance(intent, intents.SendHead | intents.Undo):
             return []  # ignore their keys here, because their controls are on the other page
-        before, handle = memory.choices, self._handles[type(intent)]
+        before, handle = memory.choices, self._handles.get(type(intent), pass_on)
         actions = handle(memory, world, intent)  # type: ignore[arg-type]  # it is of that class
         return [*eyes.changes(before, memory.choices), *actions]
 
