@@ -22,7 +22,7 @@ from gui.console.link.moving import Moving, RobotAction
 from gui.console.link.outcomes import WindowError, failed, stopped, write
 from gui.console.link.pictures import Camera, CameraStream, LevelStream, OnImage, Watcher, levels
 from gui.console.link.programs import Following
-from gui.console.link.routers import Routers, own_account
+from gui.console.link.routers import Routers
 from gui.console.link.stopping import send_stop
 from gui.console.state import actions
 from gui.console.state.actions import Action, Outcome, SendStop
@@ -117,7 +117,7 @@ class Link:
             own_hardware=self._children.runs(HARDWARE),
             ports=self._ports.newest,
             child_trouble=self._children.trouble,
-            account=None if account is None else own_account(account),
+            account=account,
             choosing=self._routers.busy,
             router_trouble=self._routers.trouble,
             playing="" if play is None else play.title,
@@ -127,8 +127,6 @@ class Link:
             session="" if session is None else session.client.bus.session_id,
             limits=self._probes["sim"].limits(robot) or self._probes["hw"].limits(robot),
             seats=() if session is None else tuple(session.seats.names()),
-            pupils={} if account is None else {seat: account.shown(seat) for seat in account.names},
-            class_robots=() if account is None else account.robots,
             robots=robots_online(session) if self._lessons.watched else (),
             reports=self._lessons.rows,
             reports_failed=self._lessons.failed,
