@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Final, Literal
+from typing import Annotated, Final
 
 import msgspec
 from msgspec import Meta
 
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction
 from gui.console.state import actions, intents
+from gui.console.state.arms import HoldArm, ReleaseArm
 from gui.console.state.intents import SetDuration
 from gui.console.state.saved import Saved
 
 Name = Annotated[str, Meta(min_length=1, max_length=32)]
-Press = Annotated[int, Meta(ge=1, le=2**53)]
-"""Number of a press of a button; a page counts its presses."""
 
 
 class Message(msgspec.Struct, frozen=True, tag_field="do", forbid_unknown_fields=True):
@@ -49,20 +48,6 @@ class ViewReceived(Message, frozen=True, tag="seen"):
     """The page has received a view."""
 
 
-class ButtonHeld(Message, frozen=True, tag="hold"):
-    """A button is held: the heartbeat of a jog."""
-
-    press: Press
-    part: Literal["yaw", "pitch", "roll", "short", "middle", "long"]
-    sign: Literal[-1, 1]
-
-
-class ButtonReleased(Message, frozen=True, tag="release"):
-    """The button of this press is no longer held."""
-
-    press: Press
-
-
 class ShowClass(Message, frozen=True, tag="class"):
     """Show or hide the table of all robots."""
 
@@ -87,10 +72,12 @@ OWN: Final = (
     | SetDuration
     | actions.ChooseRobot
     | intents.EmergencyStop
+    | ReleaseArm
 )
 """Intents of every page: they change only this page, or stop robots."""
 DRIVING: Final = (
-    intents.SendHead
+    HoldArm
+    | intents.SendHead
     | intents.RunCommand
     | actions.MakeReady
     | actions.AskLease
@@ -107,9 +94,7 @@ CHOICES: Final = ("language", "speed", "lead_s", "sim", "hw", "cameras")
 """Choices that a page may change."""
 LEASES: Final = (LeaseAction.TAKE, LeaseAction.WAIT, LeaseAction.GIVE_BACK)
 COMMANDS: Final = (Command.ENABLE, Command.CALIBRATE, Command.HOME, Command.RESET)
-OwnMessage = (
-    Open | Drive | Leave | Beat | Hidden | ViewReceived | ButtonHeld | ButtonReleased | ShowClass | StopRobot
-)
+OwnMessage = Open | Drive | Leave | Beat | Hidden | ViewReceived | ShowClass | StopRobot
 Request = OwnMessage | intents.Intent
 _DECODER: Final = msgspec.json.Decoder(OwnMessage | OWN | DRIVING)
 

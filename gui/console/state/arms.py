@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Final
+from typing import Annotated, Final
 
-from msgspec import structs
+from msgspec import Meta, structs
 
 from beatrix_zenoh.client.degrees import ArmAngles, arm_angles, motion_query
 from beatrix_zenoh.client.twin_motion import furthest
@@ -150,9 +150,8 @@ def _moved(start: ArmAngles, chosen: tuple[str, ...], by: float, *, relative: bo
 class HoldArm(Intent, frozen=True):
     """+ or - of an arm, or of an axis of the head, is held; reported again and again until the release."""
 
-    arm: str
-    """`short`, `middle`, `long` or `all`; `yaw`, `pitch` or `roll`"""
-    sign: int
+    arm: Annotated[str, Meta(pattern="^(short|middle|long|all|yaw|pitch|roll)$")]
+    sign: Annotated[int, Meta(ge=-1, le=1)]
     """+1 or -1"""
 
 

@@ -123,8 +123,8 @@ class State:
         return [*eyes.changes(before, memory.choices), *actions]
 
     def leave(self) -> None:
-        """Forget leases and unfinished requests, because the session of this seat was closed."""
-        self._memory.standings, self._memory.lease_notice = {}, None
+        """Forget leases, unfinished requests and a held button, because the session of this seat was closed."""
+        self._memory.standings, self._memory.lease_notice, self._memory.held_row = {}, None, None
         self._memory.mark_dropped()
 
     def report(self, outcome: Outcome) -> None:

@@ -18,7 +18,6 @@ const byId = (id) => document.getElementById(id);
 const token = document.querySelector("meta[name=token]").content;
 const view = { texts: {}, you: {}, robot: "" };
 let held = null; // the button that is held
-let press = 0;
 let aimed = 0; // time (ms) of the last move of a slider
 
 const text = (key, values = {}) => (view.texts[key] ?? "").replace(/\{(\w+)\}/g, (_, name) => values[name]);
@@ -170,7 +169,7 @@ function showRobots() {
 }
 
 function showYou(you) {
-  if (held && (!you.drives || you.over >= press)) releaseButton();
+  if (held && !you.drives) releaseButton();
   set(byId("you"), you.text);
   set(byId("drive"), text(you.drives ? "page.leave" : "page.drive"));
   byId("drive").title = text(you.drives ? "page.leave_tip" : "page.drive_tip");
@@ -293,13 +292,12 @@ function showStop(sent) {
 // -- holding buttons ----------------------------------------------------------------------------------
 
 function beat() {
-  if (held) send({ do: "hold", press, part: held.dataset.part, sign: Number(held.dataset.sign) });
+  if (held) send({ do: "HoldArm", arm: held.dataset.part, sign: Number(held.dataset.sign) });
   else if (view.you.drives) send({ do: "beat" });
 }
 
 function pressButton(button) {
   releaseButton();
-  press += 1;
   held = button;
   beat();
   if (view.you.drives) button.classList.add("held");
@@ -310,7 +308,7 @@ function releaseButton() {
   if (!held) return;
   held.classList.remove("held");
   held = null;
-  send({ do: "release", press });
+  send({ do: "ReleaseArm" });
 }
 
 function hide() {
