@@ -73,6 +73,8 @@ class Hub:
         self._cameras = Watcher[Camera, CameraStream](
             "cameras", self._jobs, lambda: self._link.session, self._begin_camera
         )
+        self._watch_cameras()
+        self._link.look()
 
     # -- views ---------------------------------------------------------------------------------------
 
