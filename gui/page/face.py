@@ -256,15 +256,9 @@ def _pill(pill: PillView) -> PillView:
     """Return the pill without a button that pages may not use, and without a reason that mentions it."""
     offered = _offered(pill.next_step)
     reason = pill.reason if offered == pill.next_step else ""
-    return replace(pill, next_step=offered, reason=reason, lease=_lease(pill.lease))
-
-
-def _lease(button: ButtonView | None) -> ButtonView | None:
-    """Return the button of a lease, unless it gives the robot back as the button beside *Drive* does for both robots."""
-    match button:
-        case ButtonView(intent=AskLease(action=LeaseAction.GIVE_BACK)):
-            return None
-    return button
+    # The button beside *Drive* gives both robots back.
+    gives_back = pill.lease is not None and pill.lease.intent == AskLease(LeaseAction.GIVE_BACK, pill.side)
+    return replace(pill, next_step=offered, reason=reason, lease=None if gives_back else pill.lease)
 
 
 def _banner(view: View, world: World) -> BannerView | None:

@@ -27,7 +27,6 @@ class Playing(Program):
         super().__init__(action.row, action.sides, BOTH if isinstance(robots, Twin) else robots.side)
         self._action, self._robots, self.title = action, robots, action.title
         self._both = (robots.sim, robots.hw) if isinstance(robots, Twin) else (robots,)
-        self._lead_s = action.lead_s if isinstance(robots, Twin) else 0.0
         self.pose = -1
         """number of the pose of the window that began last, from 0; -1: none"""
 
@@ -55,7 +54,7 @@ class Playing(Program):
             told = accepted(self.row, self.side, f"{self.title}: checked.", lasts_s)
             report(replace(told, rounds=number))
             self.pose = -1
-            play(self._robots, steps, self._begun, lead_s=self._lead_s, check=self.check)
+            play(self._robots, steps, self._begun, lead_s=action.lead_s, check=self.check)
         return f"{self.title}: played."
 
     def _begun(self, _title: str, _pose: Step) -> None:

@@ -15,7 +15,7 @@ from gui.console.state.actions import Action, ConnectHardware, LookForPorts, Sta
 from gui.console.state.intents import Intent
 from gui.console.state.memory import Handles, Memory
 from gui.console.state.views import ButtonView, ConnectView, RouterView, button
-from gui.console.state.world import LinkPhase, UsbPort, World, online
+from gui.console.state.world import LinkPhase, UsbPort, World, fault_of, online
 from gui.console.texts import Texts
 
 VIRTUAL: Final = "virtual:"
@@ -164,12 +164,7 @@ def follow(memory: Memory, world: World) -> None:
 def _serves(world: World) -> bool:
     """Return whether hardware is online, and its board answers."""
     status = world.hw.status
-    return (
-        online(world, "hw")
-        and status is not None
-        and status.fault is not Fault.BOARD_LOST
-        and status.board.connected
-    )
+    return online(world, "hw") and status is not None and fault_of(status) is not Fault.BOARD_LOST
 
 
 HANDLES: Handles = {

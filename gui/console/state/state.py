@@ -22,7 +22,7 @@ from gui.console.state import (
 from gui.console.state.actions import Action, Outcome
 from gui.console.state.intents import Choose, Intent, WindowPage
 from gui.console.state.memory import Handles, Memory, pass_on
-from gui.console.state.saved import Choices, Remembered, Saved, changed, choices_from
+from gui.console.state.saved import Choices, Saved, changed, remembered
 from gui.console.state.views import HistoryRowView, View
 from gui.console.state.world import World
 
@@ -38,7 +38,7 @@ def choose(memory: Memory, world: World, intent: Choose) -> list[Action]:
 
 TOPICS = (
     *(arms, class_page, commands, connecting, gestures, leases),
-    *(history, refusals, sending, sequence),
+    *(refusals, sending, sequence),
 )
 HANDLES: Handles = {
     Choose: choose,
@@ -51,7 +51,7 @@ class State:
 
     def __init__(self, saved: Saved = DEFAULTS) -> None:
         """Begin with saved choices."""
-        self._memory = Memory(choices_from(saved), saved.poses)
+        self._memory = Memory(Choices(**remembered(saved)), saved.poses)
         self._guide = missions.Guide(saved.guided)
         self._handles: Handles = {
             **HANDLES,
@@ -61,7 +61,7 @@ class State:
     @property
     def saved(self) -> Saved:
         """The choices for the next window."""
-        kept = {name: getattr(self._memory.choices, name) for name in Remembered.__struct_fields__}
+        kept = remembered(self._memory.choices)
         return Saved(**kept, poses=self._memory.poses, guided=self._guide.done)
 
     @property

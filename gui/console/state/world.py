@@ -13,7 +13,7 @@ from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.client.degrees import ArmAngles, Reading
 from beatrix_zenoh.client.degrees import Path as MotionPath
 from beatrix_zenoh.client.lesson_reports import Row
-from beatrix_zenoh.contract._generated.messages import LimitInfo
+from beatrix_zenoh.contract._generated.messages import Fault, LimitInfo, Status
 from beatrix_zenoh.contract.names import TEACHER
 
 FURTHEST_DEG = 1e4
@@ -205,6 +205,13 @@ class World:
 def online(world: World, side: str) -> bool:
     """Return whether a request can reach a robot: there is a router, and the robot's token."""
     return world.phase is LinkPhase.ONLINE and world.side(side).presence is not Presence.ABSENT
+
+
+def fault_of(status: Status) -> Fault:
+    """Return the fault of a robot; BOARD_LOST if there is none and the board is not connected."""
+    if status.fault is Fault.NONE and not status.board.connected:
+        return Fault.BOARD_LOST
+    return status.fault
 
 
 def silent(robot: RobotState) -> bool:
