@@ -23,19 +23,17 @@ from gui.console.state.actions import (
     SendStop,
     StartSimulation,
 )
-from gui.console.state.arms import HoldArm, ReleaseArm
+from gui.console.state.arms import HoldArm
 from gui.console.state.intents import Intent, Tab
 from gui.console.state.saved import Saved
 from gui.console.state.state import State
 from gui.console.state.views import BannerView, ButtonView, PillView, View
 from gui.console.state.world import LinkPhase, World, online
 from gui.console.texts import Texts, load
-from gui.page.messages import DRIVING, OWN, ButtonHeld
+from gui.page.messages import DRIVING, OWN
 
 HISTORY: Final = 40
 """Largest number of rows of the history of a page."""
-POSES: Final = 50
-"""Largest number of poses of a page."""
 UNREAD_MAX: Final = 20
 """Largest number of unconfirmed views of a browser; it gets no more until it confirms one."""
 QUIET_S: Final = 0.5
@@ -58,15 +56,8 @@ class Driver:
     """the sides whose leases were requested, since they came online"""
     stopped: bool = False
     """whether the robot was stopped because the page is silent or hidden"""
-    press: int = 0
-    """number of the newest press of a held button"""
-    row: int = 0
-    """row of its motion; 0: none, because the state has refused it, or the button was released"""
-
-    @property
-    def over(self) -> int:
-        """All presses up to this number have ended; the page then shows its button released."""
-        return 0 if self.link.moving.holds(self.row) else self.press
+    held_row: int = 0
+    """row of the newest held button"""
 
     def beat(self) -> None:
         """Record a heartbeat of the page, and clear `stopped`."""
@@ -170,7 +161,6 @@ class Face:
             "you": {
                 "seat": "" if driver is None else driver.seat,
                 "drives": driver is not None,
-                "over": 0 if driver is None else driver.over,
                 "text": self._role(world, texts),
                 "notice": texts(key, **slots) if key else "",
             },
@@ -188,7 +178,7 @@ class Face:
             **{
                 name: getattr(view, name)
                 for name in (
-                    *("title", "robot", "arms", "sending", "commands", "poses"),
+                    *("title", "robot", "arms", "sending", "commands", "sequence"),
                     *("last", "stop", "emergency"),
                 )
             },
@@ -221,9 +211,7 @@ class Face:
         if isinstance(intent, DRIVING) and self.driver is None:
             self.notify("page.watching")
             return
-        if isinstance(intent, intents.SavePose) and len(self.state.saved.poses) >= POSES:
-            return
-        if self.driver is not None and isinstance(intent, DRIVING):
+        if self.driver is not None and isinstance(intent, DRIVING) and not isinstance(intent, HoldArm):
             self.notify("")
         for action in self.state.handle(intent, self._world):
             self._do(action)
@@ -231,6 +219,9 @@ class Face:
     def _do(self, action: Action) -> None:
         if self.driver is not None:
             self.driver.link.do(action)
+            if isinstance(action, Hold) and action.row != self.driver.held_row:  # a new press, no heartbeat
+                self.driver.held_row = action.row
+                self.notify("")
         if isinstance(action, SendStop) and (
             self.driver is None or self._world.phase is not LinkPhase.ONLINE
         ):
@@ -239,28 +230,6 @@ class Face:
     def report(self, outcome: Outcome) -> None:
         """Show the outcome of a request."""
         self.state.report(outcome)
-
-    def hold(self, hold: ButtonHeld) -> None:
-        """Begin or continue the motion of a held button; do nothing if this press has ended."""
-        driver = self.driver
-        if driver is None:
-            self.notify("page.watching")
-            return
-        if hold.press > driver.press:
-            self.notify("")
-            self.carry_out(ReleaseArm())
-            driver.press, driver.row = hold.press, 0
-        elif hold.press <= driver.over:
-            return
-        for action in self.state.handle(HoldArm(hold.part, hold.sign), self._world):
-            driver.row = action.row if isinstance(action, Hold) else 0
-            self._do(action)
-
-    def release(self, number: int) -> None:
-        """End the motion of a held button."""
-        if self.driver is not None and self.driver.press == number:
-            self.driver.row = 0
-            self.carry_out(ReleaseArm())
 
     def stop_moving(self) -> None:
         """Stop the robots if they move for this page, because the page is silent or hidden."""
@@ -287,15 +256,9 @@ def _pill(pill: PillView) -> PillView:
     """Return the pill without a button that pages may not use, and without a reason that mentions it."""
     offered = _offered(pill.next_step)
     reason = pill.reason if offered == pill.next_step else ""
-    return replace(pill, next_step=offered, reason=reason, lease=_lease(pill.lease))
-
-
-def _lease(button: ButtonView | None) -> ButtonView | None:
-    """Return the button of a lease, unless it gives the robot back as the button beside *Drive* does for both robots."""
-    match button:
-        case ButtonView(intent=AskLease(action=LeaseAction.GIVE_BACK)):
-            return None
-    return button
+    # The button beside *Drive* gives both robots back.
+    gives_back = pill.lease is not None and pill.lease.intent == AskLease(LeaseAction.GIVE_BACK, pill.side)
+    return replace(pill, next_step=offered, reason=reason, lease=None if gives_back else pill.lease)
 
 
 def _banner(view: View, world: World) -> BannerView | None:

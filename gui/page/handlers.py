@@ -224,8 +224,6 @@ HANDLES: Mapping[type, Callable[[Hub, Face, Never], None]] = {
     messages.Drive: lambda hub, face, request: hub.drive(face, request.name),
     messages.Leave: lambda hub, face, _: hub.end_driver(face),
     messages.Hidden: lambda _, face, __: face.stop_moving(),
-    messages.ButtonHeld: lambda _, face, request: face.hold(request),
-    messages.ButtonReleased: lambda _, face, request: face.release(request.press),
     messages.ShowClass: lambda _, face, request: face.show_class(on=request.on),
     actions.ChooseRobot: lambda hub, face, request: hub.watch(face, request.name),
 }

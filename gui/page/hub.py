@@ -5,6 +5,7 @@ The methods of `Hub` run on the thread of the server's loop.
 
 from __future__ import annotations
 
+import threading
 import time
 from collections import deque
 from collections.abc import Callable, Hashable
@@ -65,11 +66,15 @@ class Hub:
         self._stops: deque[tuple[str, str]] = deque(maxlen=STOPS_KEPT)
         """the newest STOPs, by browser and number: a page sends each STOP over two connections"""
         self._jobs = Jobs("web")
+        self._closing: list[threading.Thread] = []
+        """threads that close the links of pages"""
         self._viewers: dict[Hashable, tuple[list[Camera], OnPicture]] = {}
         """what web sockets for pictures show, and the function that takes their pictures"""
         self._cameras = Watcher[Camera, CameraStream](
             "cameras", self._jobs, lambda: self._link.session, self._begin_camera
         )
+        self._watch_cameras()
+        self._link.look()
 
     # -- views ---------------------------------------------------------------------------------------
 
@@ -140,7 +145,8 @@ class Hub:
         if driver is None:
             return
         driver.link.drop()
-        self._jobs.put(f"close-{id(driver)}", driver.link.close)  # it may wait for the router
+        self._closing = [thread for thread in self._closing if thread.is_alive()]
+        self._closing.append(threads.start(driver.link.close, "close"))  # it may wait for the router
         face.state.leave()
         face.notify(key)
 
@@ -222,4 +228,6 @@ class Hub:
         deadline_s = time.monotonic() + CLOSE_S
         self._stop_sender.join(deadline_s)
         self._jobs.join(deadline_s)
+        for thread in self._closing:
+            thread.join(max(0.0, deadline_s - time.monotonic()))
         self._link.close()

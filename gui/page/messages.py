@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Final, Literal
+from typing import Annotated, Final
 
 import msgspec
 from msgspec import Meta
 
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction
-from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import actions, intents
+from gui.console.state.arms import HoldArm, ReleaseArm
 from gui.console.state.intents import SetDuration
-from gui.console.state.saved import Choices, Saved, changed
+from gui.console.state.saved import Saved
 
 Name = Annotated[str, Meta(min_length=1, max_length=32)]
-Press = Annotated[int, Meta(ge=1, le=2**53)]
-"""Number of a press of a button; a page counts its presses."""
 
 
 class Message(msgspec.Struct, frozen=True, tag_field="do", forbid_unknown_fields=True):
@@ -50,20 +48,6 @@ class ViewReceived(Message, frozen=True, tag="seen"):
     """The page has received a view."""
 
 
-class ButtonHeld(Message, frozen=True, tag="hold"):
-    """A button is held: the heartbeat of a jog."""
-
-    press: Press
-    part: Literal["yaw", "pitch", "roll", "short", "middle", "long"]
-    sign: Literal[-1, 1]
-
-
-class ButtonReleased(Message, frozen=True, tag="release"):
-    """The button of this press is no longer held."""
-
-    press: Press
-
-
 class ShowClass(Message, frozen=True, tag="class"):
     """Show or hide the table of all robots."""
 
@@ -84,14 +68,16 @@ OWN: Final = (
     | intents.DismissRefusal
     | intents.DismissNotice
     | intents.DeletePose
-    | intents.SavePose
+    | intents.AddPose
     | SetDuration
     | actions.ChooseRobot
     | intents.EmergencyStop
+    | ReleaseArm
 )
 """Intents of every page: they change only this page, or stop robots."""
 DRIVING: Final = (
-    intents.SendHead
+    HoldArm
+    | intents.SendHead
     | intents.RunCommand
     | actions.MakeReady
     | actions.AskLease
@@ -101,28 +87,20 @@ DRIVING: Final = (
     | intents.TakeAlternative
     | intents.Undo
     | intents.Repeat
-    | intents.GoToPose
-    | intents.PlayPoses
+    | intents.PlaySequence
 )
 """Intents of a page that drives. No page may use other ones, for example those that start programs or name files."""
 CHOICES: Final = ("language", "speed", "lead_s", "sim", "hw", "cameras")
 """Choices that a page may change."""
-UNCHANGED: Final = Choices()
 LEASES: Final = (LeaseAction.TAKE, LeaseAction.WAIT, LeaseAction.GIVE_BACK)
 COMMANDS: Final = (Command.ENABLE, Command.CALIBRATE, Command.HOME, Command.RESET)
-NAME_MAX: Final = 64
-"""Longest name of a pose, characters."""
-ANGLE_MAX: Final = 360.0
-"""Largest angle of the target, deg."""
-OwnMessage = (
-    Open | Drive | Leave | Beat | Hidden | ViewReceived | ButtonHeld | ButtonReleased | ShowClass | StopRobot
-)
+OwnMessage = Open | Drive | Leave | Beat | Hidden | ViewReceived | ShowClass | StopRobot
 Request = OwnMessage | intents.Intent
 _DECODER: Final = msgspec.json.Decoder(OwnMessage | OWN | DRIVING)
 
 
 def read(text: str | bytes) -> Request:
-    """Return the decoded message of a page; raises msgspec.DecodeError, also for values that no page sends."""
+    """Return the decoded message of a page; raises msgspec.DecodeError for one that no page sends."""
     request: Request = _DECODER.decode(text)
     if not _possible(request):
         raise msgspec.ValidationError(f"no page sends {request}")
@@ -130,24 +108,12 @@ def read(text: str | bytes) -> Request:
 
 
 def _possible(request: Request) -> bool:
-    """Return whether a page can send this: its buttons and fields have only such values."""
-    possible = getattr(request, "side", "sim") in SIDES
-    if isinstance(request, actions.Action):
-        possible &= getattr(request, "row", actions.NEW) == actions.NEW
+    """Return whether a page has a button for this command or lease, or a field for this choice."""
     match request:
         case actions.AskLease(action=action):
-            possible &= action in LEASES
-        case intents.RunCommand(command=command, side=side):
-            possible = command in COMMANDS and side in ("", *SIDES)
-        case intents.Choose(name=name, value=value):
-            possible = name in CHOICES and changed(UNCHANGED, name, value) is not None
-        case intents.AimHead(yaw=yaw, pitch=pitch, roll=roll):
-            possible = max(abs(yaw), abs(pitch), abs(roll)) <= ANGLE_MAX
-        case (
-            intents.SavePose(name=name)
-            | intents.DeletePose(name=name)
-            | intents.GoToPose(name=name)
-            | SetDuration(name=name)
-        ):
-            possible = len(name) <= NAME_MAX
-    return possible
+            return action in LEASES
+        case intents.RunCommand(command=command):
+            return command in COMMANDS
+        case intents.Choose(name=name):
+            return name in CHOICES
+    return True

@@ -47,7 +47,7 @@ LIMITS: Final = {
     "body_timeout": REQUEST_S,
     "idle_connection_timeout": REQUEST_S,
 }
-MESSAGE_MAX: Final = 16384
+MESSAGE_MAX: Final = 32768
 """Largest message of a page, bytes: the choices and poses that its browser has kept."""
 
 

@@ -10,7 +10,7 @@ import msgspec
 import pytest
 from class_router import ClassRouter
 from gui_links import Linked, at_home, look
-from gui_worlds import absent, world
+from gui_worlds import absent, account, world
 from present import present
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
@@ -18,16 +18,17 @@ from recording_link import RecordingLink
 from robots import Stage, free_endpoint
 
 from beatrix_zenoh import account as accounts
+from beatrix_zenoh.account import Account
 from beatrix_zenoh.client import Presence
 from gui.console.state.actions import Action, LookForPorts, Outcome, Send, SendStop, UseAccount, UseRouter
 from gui.console.state.connecting import completed
 from gui.console.state.intents import Choose, SendHead, TogglePage, WindowPage
 from gui.console.state.state import State
 from gui.console.state.views import RouterView
-from gui.console.state.world import LinkPhase, OwnAccount, Trouble, World
+from gui.console.state.world import LinkPhase, Trouble, World
 from gui.window.window import Window
 
-ANA = OwnAccount("ana", "8b", "2027-07-31", expired=False)
+ANA, OLD = account("ana"), dt.date(1969, 7, 20)
 ALONE = world(absent("sim"), absent("hw"))
 
 
@@ -83,12 +84,12 @@ def test_the_sheet_shows_router_and_account_and_takes_one_choice_at_a_time() -> 
         (LinkPhase.NO_ROUTER, None, "Check the address"),
         (LinkPhase.REFUSED, None, "it is no router, or one of a class"),
         (LinkPhase.REFUSED, ANA, "Choose the newest file of your seat"),
-        (LinkPhase.REFUSED, replace(ANA, expired=True), "expired on 2027-07-31"),
-        (LinkPhase.REFUSED, replace(ANA, name="teacher", expired=True), "Run beatrix classroom init"),
+        (LinkPhase.REFUSED, account("ana", expires=OLD), "expired on 1969-07-20"),
+        (LinkPhase.REFUSED, account("teacher", expires=OLD), "Run beatrix classroom init"),
     ],
 )
 def test_a_router_that_cannot_be_used_says_what_to_do(
-    phase: LinkPhase, account: OwnAccount | None, words: str
+    phase: LinkPhase, account: Account | None, words: str
 ) -> None:
     now = replace(ALONE, phase=phase, account=account)
     assert words in sheet(now).text
@@ -97,7 +98,7 @@ def test_a_router_that_cannot_be_used_says_what_to_do(
 
 
 def test_undo_and_the_page_of_the_class_belong_to_the_router_that_was_left() -> None:
-    teacher = replace(world(), seat="teacher", account=replace(ANA, name="teacher"))
+    teacher = replace(world(), seat="teacher", account=account("teacher"))
     state = State()
     state.follow(teacher)
     state.handle(Choose("hw", value=False), teacher)

@@ -61,10 +61,12 @@ def test_a_newer_press_ends_an_older_one_without_a_stop() -> None:
         moving.hold(Hold(1, "yaw", 1, 20.0, ("hw",)), twin)
         assert outcomes.get(timeout=WAIT_S).accepted
         moving.hold(Hold(2, "yaw", 1, 20.0, ("hw",)), twin)
-        assert (outcomes.get(timeout=WAIT_S).reason, moving.holds(1)) == (Reason.REPLACED, False)
-        assert moving.holds(2)
+        assert (outcomes.get(timeout=WAIT_S).reason, moving.busy) == (Reason.REPLACED, True)
+        moving.hold(Hold(1, "yaw", 1, 20.0, ("hw",)), twin)  # a late heartbeat
+        assert outcomes.get(timeout=WAIT_S).row == 2
         moving.drop(replaced())
-        assert not moving.holds(2)
+        assert outcomes.get(timeout=WAIT_S).row == 2
+        assert not moving.busy
     finally:
         jobs.close()
         jobs.join(time.monotonic() + WAIT_S)

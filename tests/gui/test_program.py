@@ -16,8 +16,7 @@ from PyQt5.QtWidgets import QFileDialog
 
 from beatrix_zenoh.contract._generated.messages import Command, Reason
 from gui.console.state import intents
-from gui.console.state.actions import MakeReady, Outcome, Play, WriteFile
-from gui.console.state.history import SaveProgram
+from gui.console.state.actions import MakeReady, Outcome, Play
 from gui.console.state.intents import AimHead, Intent, Jog, PlaySequence, RunCommand, SendHead
 from gui.console.state.saved import Saved, SavedPose
 from gui.console.state.state import State
@@ -69,9 +68,6 @@ def test_a_program_without_a_motion_is_a_program(tmp_path: Path) -> None:
     assert code(state)[-1] == "pass"
     state.handle(intents.Stop(), world())
     assert code(state)[-2:] == ["# stop: sent", "pass"]
-    (write,) = state.handle(SaveProgram(tmp_path / "mine.py"), world())
-    assert write == WriteFile(2, tmp_path / "mine.py", state.view(world()).code.text)
-    assert state.handle(SaveProgram(Path()), world()) == []
 
 
 THREE = (
@@ -106,8 +102,8 @@ PRESSES = st.sampled_from(
         intents.Undo(),
         intents.Choose("language", "de"),
         Play(0, (), Path("it's\nmine.csv")),
-        intents.SavePose("nod"),
-        intents.PlayPoses(),
+        intents.AddPose("nod"),
+        intents.PlaySequence("sim"),
     ]
 )
 ENDS = st.sampled_from([Reason.OK, Reason.REPLACED, Reason.STOPPED, Reason.OUT_OF_REACH, None])

@@ -54,8 +54,6 @@ def motion_buttons(view: View) -> list[ButtonView]:
         view.head.send,
         view.commands.buttons["home"],
         view.commands.buttons["undo"],
-        view.poses.go,
-        view.poses.play,
     ]
 
 

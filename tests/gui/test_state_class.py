@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime as dt
 import math
 from dataclasses import replace
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import pytest
 from golden import same
 from gui_views import class_world, full_class, lesson
-from gui_worlds import status, world
+from gui_worlds import account, status, world
 from present import present
 
 from beatrix_zenoh.client.lesson_reports import Row
@@ -21,7 +22,7 @@ from gui.console.state.intents import Intent, LimitClass, Stop, TogglePage, Wind
 from gui.console.state.lessons import LessonRowView, LessonsView, Progress
 from gui.console.state.state import State
 from gui.console.state.views import ClassView, Condition
-from gui.console.state.world import LinkPhase, OwnAccount, World
+from gui.console.state.world import LinkPhase, World
 from gui.console.texts import Texts
 
 TEACHER = class_world()
@@ -95,15 +96,15 @@ def test_a_robot_that_was_away_when_a_seat_was_muted_is_named() -> None:
     """In a class only its own robots are named: a robot of a seat need not obey."""
     now = with_first(muted=("cleo",))
     for names, named in (((), {"bea2", "bea3", "bea4"}), (("bea1", "bea2"), {"bea2"})):
-        rows = page(opened(), replace(now, class_robots=names)).rows
+        rows = page(opened(), replace(now, account=account("teacher", robots=names))).rows
         assert {row.place[0] for row in rows if "not muted: cleo" in row.cells[-1]} - {"bea1"} == named
 
 
 def test_a_pupil_is_shown_by_name_and_muted_by_seat() -> None:
-    now = replace(TEACHER, pupils={"cleo": "Cléo Brun (cleo)"})
+    now = replace(TEACHER, account=account("teacher", names={"cleo": "Cléo Brun"}))
     (view,) = (view for view in page(opened(), now).seats if view.text == "Cléo Brun (cleo)")
     assert view.mute.intent == Govern(0, LeaseAction.MUTE, seat="cleo")
-    muted = page(opened(), replace(with_first(muted=("cleo",)), pupils=now.pupils))
+    muted = page(opened(), replace(with_first(muted=("cleo",)), account=now.account))
     assert [view.text for view in muted.seats] == ["ana", "ben", "Cléo Brun (cleo) (muted)", "dora"]
 
 
@@ -129,18 +130,17 @@ def test_different_speed_limits_are_shown_with_each_robot() -> None:
 
 
 @pytest.mark.parametrize(
-    ("expired", "expiring", "words"),
+    ("day", "words"),
     [
-        (False, False, ""),
-        (False, True, "expire on 2027-07-31. Run"),
-        (True, True, "expired on 2027-07-31: no seat"),
+        (dt.datetime(2027, 6, 1, tzinfo=dt.UTC), ""),
+        (dt.datetime(2027, 6, 2, tzinfo=dt.UTC), "expire on 2027-07-31. Run"),
+        (dt.datetime(2027, 8, 1, tzinfo=dt.UTC), "expired on 2027-07-31: no seat"),
     ],
 )
-def test_the_summary_announces_that_the_accounts_expire(expired: bool, expiring: bool, words: str) -> None:
-    now = replace(TEACHER, account=OwnAccount("teacher", "8b", "2027-07-31", expired, expiring))
-    summary = page(opened(), now).summary
+def test_the_summary_announces_that_the_accounts_expire(day: dt.datetime, words: str) -> None:
+    summary = page(opened(), replace(TEACHER, account=account("teacher"), wall_s=day.timestamp())).summary
     assert words in summary
-    assert ("beatrix classroom init class.toml" in summary) == expiring
+    assert ("beatrix classroom init class.toml" in summary) == bool(words)
 
 
 @pytest.mark.parametrize(

@@ -91,7 +91,7 @@ def test_a_stop_that_one_side_has_not_carried_out_is_not_called_refused(
 OFF = RunCommand(Command.ENABLE, value=False)
 STOP = (intents.Stop(),)
 FILE = Play(0, (), Path("it's.csv"))
-POSES = (intents.SavePose("a"), intents.SavePose("b"), intents.PlayPoses())
+POSES = (intents.AddPose("a"), intents.AddPose("b"), intents.PlaySequence("sim"))
 LOOKING = "yaw=20, pitch=-10, roll=0, speed=30"
 LINES: list[tuple[tuple[Intent, ...], str]] = [
     ((BOTH, *LOOK), f"twin.preview({LOOKING}).commit(lead_s=2)"),
@@ -138,7 +138,7 @@ def test_the_program_of_each_row_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("beatrix_zenoh.client.choreography.play", play)
     monkeypatch.setattr("beatrix_zenoh.client.choreography.load", MagicMock())
     presses = [given for given, _ in LINES if given != STOP]
-    for given in (*presses, (*HW_ONLY, RunCommand(Command.HOME)), POSES, (BOTH, *POSES)):
+    for given in (*presses, (*HW_ONLY, RunCommand(Command.HOME)), POSES):
         for mock in (twin, robot, play):
             mock.reset_mock()
         exec(compile(code(*given), "copied.py", "exec"), {})
@@ -233,21 +233,3 @@ def test_a_stop_with_the_session_of_this_window_is_its_own_only_under_its_seat(
     stop = event(10, "STOP", kind=EventKind.STOP, phase=None, motion=0, seat=seat, session="abc")
     now = replace(world(robot("sim", events=(stop,))), session="abc" if seat else "def")
     assert [row.who for row in State().view(now).history] == who
-
-
-# -- poses -------------------------------------------------------------------------------------------
-
-
-def test_poses_are_saved_sent_and_played() -> None:
-    state = State()
-    state.handle(intents.SavePose(" bow, low "), world(robot("sim", arms=(10, 20.5, -5))))
-    state.handle(intents.SavePose("up"), world())
-    assert state.view(world()).poses.names == ("bow, low", "up")
-    (go,) = state.handle(intents.GoToPose("bow, low"), world())
-    assert isinstance(go, Send)
-    assert go.query.absolute
-    (play,) = state.handle(intents.PlayPoses(), world())
-    assert isinstance(play, Play)
-    assert [(pose.short, pose.middle, pose.long) for pose in play.poses] == [(10, 20.5, -5), (0, 0, 0)]
-    state.handle(intents.DeletePose("up"), world())
-    assert [pose.name for pose in state.saved.poses] == ["bow, low"]

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from golden import same
-from gui_worlds import absent, robot, status, world
+from gui_worlds import absent, account, robot, status, world
 from present import present
 
 from beatrix_zenoh.client import Presence, RobotState
@@ -24,7 +24,7 @@ from gui.console.state.actions import (
 from gui.console.state.intents import Choose, DismissNotice, Intent, RunCommand
 from gui.console.state.state import State
 from gui.console.state.views import Condition, PillView
-from gui.console.state.world import LinkPhase, OwnAccount, World
+from gui.console.state.world import LinkPhase, World
 
 CALIBRATE_SIM, RESET_SIM = (RunCommand(command, side="sim") for command in (Command.CALIBRATE, Command.RESET))
 LEFT = Fault.ASSEMBLY_LEFT
@@ -96,7 +96,7 @@ def test_a_window_whose_account_is_refused_offers_another_one() -> None:
     now = replace(
         world(absent("sim"), absent("hw"), phase=LinkPhase.REFUSED),
         trouble="The router refuses ana.",
-        account=OwnAccount("ana", "8b", "2027-07-31", expired=False),
+        account=account("ana"),
     )
     for side in ("sim", "hw"):
         assert pill(now, side).next_step is None

@@ -23,7 +23,7 @@ def test_choices_and_poses_are_those_of_the_previous_window(tmp_path: Path) -> N
         intents.Choose("increment", 2.5),
         intents.Choose("speed", 45),
         intents.Choose("lead_s", 0),
-        intents.SavePose("bow"),
+        intents.AddPose("bow"),
     ):
         state.handle(intent, now)
     saved.save(file, state.saved)
@@ -32,7 +32,7 @@ def test_choices_and_poses_are_those_of_the_previous_window(tmp_path: Path) -> N
     assert found == Saved(Theme.PROJECTOR, "de", 2.5, 45, 0, poses=(SavedPose("bow", 10, -5, 2.5, 1.0),))
     view = State(found).view(now)
     chosen = view.choices
-    assert (chosen.theme, chosen.language, view.poses.names) == (Theme.PROJECTOR, "de", ("bow",))
+    assert (chosen.theme, chosen.language, view.sequence.cards[0].name) == (Theme.PROJECTOR, "de", "bow")
     assert (chosen.increment, chosen.speed, chosen.lead_s) == (2.5, 45, 0)
 
 
@@ -84,7 +84,7 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_a_saved_pose_survives_the_save_of_a_second_window(file: Path) -> None:
     one, two = State(), State()
     first, second = Autosave(one), Autosave(two)
-    one.handle(intents.SavePose("nod"), world())
+    one.handle(intents.AddPose("nod"), world())
     first.save_changes()
     assert [pose.name for pose in saved.load(file).poses] == ["nod"]
     two.handle(intents.Choose("theme", Theme.PROJECTOR), world())

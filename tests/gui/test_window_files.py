@@ -12,7 +12,7 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QFileDialog, QLineEdit
 from pytestqt.qtbot import QtBot
 
-from gui.console.state.intents import Intent, SavePose, SaveSequence, Stop
+from gui.console.state.intents import AddPose, Intent, SaveSequence, Stop
 from gui.window.widgets.files import FileDialog
 from gui.window.window import Window
 
@@ -26,7 +26,7 @@ def _poses(window: Window, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.chdir(tmp_path)
     (tmp_path / "dance.csv").write_text("mine")
     (tmp_path / "inner").mkdir()
-    window.handle(SavePose("nod"))
+    window.handle(AddPose("nod"))
 
 
 def opened(qtbot: QtBot, window: Window, entry: str) -> FileDialog:

@@ -19,11 +19,11 @@ from recording_link import RecordingLink
 from gui.console.state.actions import BeginRecording, LookForPorts, Send, SendStop
 from gui.console.state.connecting import CloseConnect
 from gui.console.state.intents import (
+    AddPose,
     AimHead,
     EmergencyStop,
     Intent,
     Jog,
-    SavePose,
     SendHead,
     Stop,
     Undo,
@@ -44,7 +44,7 @@ def a_list(window: Window) -> QWidget:
 
 def a_name(window: Window) -> QWidget:
     """Return the field with the name of a pose."""
-    window.handle(SavePose("yes"))
+    window.handle(AddPose("yes"))
     window.panels.low_area.setCurrentWidget(window.panels.sequence)
     return window.panels.sequence.name
 

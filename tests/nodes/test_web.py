@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from robots import Stage, ready, until
 from web_client import WebClient, WebSocket, online, serving
-from web_holds import PRESSES, hold_button, jog
+from web_holds import hold_button, jog
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import Command, Source
@@ -98,10 +98,7 @@ def test_a_held_button_moves_the_robot_until_it_is_released(driver: WebSocket, r
     assert (view["history"][0]["who"], view["history"][0]["good"]) == ("you", True)
     rests = robot.positions().head.yaw
     assert {event.source for event in robot.past_events() if event.pose_query is not None} == {Source.PAGE}
-    late = next(PRESSES) - 1
-    driver.send("hold", press=late, part="yaw", sign=1)  # a late heartbeat
-    driver.send("MakeReady", side="hw")
-    driver.state(lambda view: "make ready" in view["last"] and "done" in view["last"], "make ready")
+    driver.send("ReleaseArm")
     assert robot.positions().head.yaw == pytest.approx(rests, abs=0.2)
 
 
@@ -142,7 +139,7 @@ def test_one_page_drives_and_the_next_gets_the_robot_when_it_leaves(
 ) -> None:
     other = browser.connect()
     other.state(lambda view: "web-mia" in view["pills"][1]["text"], "the driver is shown")
-    for request in ({"do": "SendHead"}, {"do": "hold", "press": next(PRESSES), "part": "yaw", "sign": 1}):
+    for request in ({"do": "SendHead"}, {"do": "HoldArm", "arm": "yaw", "sign": 1}):
         other.send_raw(json.dumps(request))
         other.state(lambda view: "press Drive first" in view["you"]["notice"], "only watches")
     other.send("drive", name="ben")
@@ -201,7 +198,7 @@ def test_choices_of_the_browser_return_and_texts_follow_the_language(browser: We
     )
     view = page.state(lambda view: view["language"] == "de", "German")
     assert (view["texts"]["page.drive"], view["pills"][1]["title"]) == ("Steuern", "Hardware")
-    assert (view["choices"]["speed"], view["poses"]["names"]) == (12, ["hoch"])
+    assert (view["choices"]["speed"], [card["name"] for card in view["sequence"]["cards"]]) == (12, ["hoch"])
     page.send("Choose", name="language", value="en")
     view = page.state(lambda view: view["saved"]["language"] == "en", "English")
     assert view["saved"]["poses"][0]["name"] == "hoch"

@@ -104,7 +104,7 @@ def test_cookies_are_for_this_page_only(port: int) -> None:
     [
         "",
         "{",
-        '{"do":"hold","press":1}',
+        '{"do":"HoldArm","arm":"nose","sign":1}',
         '{"do":"StartSimulation"}',
         "x" * 100,
     ],

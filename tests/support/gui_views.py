@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import msgspec
-from gui_worlds import absent, robot, status, world
+from gui_worlds import absent, account, robot, status, world
 
 from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles, Path
@@ -99,7 +99,7 @@ def driving(theme: intents.Theme, language: str, now: World) -> State:
     ):
         state.handle(intent, now)
     for name in ("nod", "left", "shy"):
-        state.handle(intents.SavePose(name), now)
+        state.handle(intents.AddPose(name), now)
     reported(state, intents.Jog("short", 1), now)
     reported(state, intents.AimHead(20.0, -10.0, 5.0), now)
     reported(state, intents.SendHead(), now)
@@ -179,13 +179,13 @@ def full_class() -> World:
         at = number % len(LESSONS)
         reports += [lesson(seat, name, passed=True) for name in LESSONS[:at]]
         reports.append(lesson(seat, LESSONS[at], stuck=STUCK if number % 9 == 4 else 0, tries=number + 1))
-    pupils = {seat: f"{seat.capitalize()} Müller ({seat})" for seat in PUPILS[:26]}
+    names = {seat: f"{seat.capitalize()} Müller" for seat in PUPILS[:26]}
     return replace(
         ready(),
         seat="teacher",
         robots=tuple(robots),
         seats=(*PUPILS, "teacher"),
-        pupils=pupils,
+        account=account("teacher", names=names),
         reports=tuple(sorted(reports)),
     )
 
@@ -209,8 +209,9 @@ def turns(count: int, *, long: bool = False) -> World:
         name = f"robot-of-the-third-row-window-{number + 1:02}" if long else f"bea{number + 1}"
         robots.append(replace(robot(side, known=known), robot=name))
     family = "Maximiliane Schulze-Hohenstein" if long else "Müller"
-    pupils = {seat: f"{seat.capitalize()} {family} ({seat})" for seat in PUPILS}
-    return replace(ready(), seat="teacher", robots=tuple(robots), seats=PUPILS, pupils=pupils)
+    names = {seat: f"{seat.capitalize()} {family}" for seat in PUPILS}
+    own = account("teacher", names=names)
+    return replace(ready(), seat="teacher", robots=tuple(robots), seats=PUPILS, account=own)
 
 
 def example(state: str, theme: intents.Theme, language: str) -> View:

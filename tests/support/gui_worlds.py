@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import datetime as dt
 import math
 from typing import Any
 
 from msgspec.structs import replace
 from statuses import AT_HOME, BOARD, READY
 
+from beatrix_zenoh.account import Account
 from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.client.degrees import Path as MotionPath
 from beatrix_zenoh.contract._generated import messages
@@ -92,6 +94,21 @@ LEFT = SavedPose("left", 30.0, 30.0, 30.0, 1.5)
 UP = SavedPose("up", 0.0, 0.0, 0.0, 1.0)
 NOT_SIM = Choose("sim", value=False)
 NOWHERE = world(absent("sim"), absent("hw"))
+
+
+def account(name: str, **fields: Any) -> Account:
+    """Return an account of class 8b; by default its certificate is valid until 2027-07-31."""
+    made = Account(
+        "8b",
+        name,
+        "teacher" if name == "teacher" else "student",
+        "tls/127.0.0.1:1",
+        dt.date(2027, 7, 31),
+        "",
+        "",
+        "",
+    )
+    return replace(made, **fields)
 
 
 def state_after(*given: Intent, now: World | None = None) -> State:

@@ -22,13 +22,10 @@ from gui.page.face import Driver, Face
         '{"do":"AskLease","action":"freeze","side":"hw"}',
         '{"do":"AskLease","action":"take","side":"zz"}',
         '{"do":"MakeReady","side":"*"}',
-        '{"do":"MakeReady","side":"sim","row":1}',
         '{"do":"Choose","name":"xx","value":true}',
         '{"do":"RunCommand","command":4}',
-        '{"do":"Choose","name":"language","value":"../en"}',
-        '{"do":"Choose","name":"speed","value":1e308}',
         '{"do":"AimHead","yaw":1e9,"pitch":0,"roll":0}',
-        '{"do":"SavePose","name":"' + "x" * 65 + '"}',
+        '{"do":"AddPose","name":"' + "x" * 65 + '"}',
         '{"do":"Govern","row":1,"action":"freeze"}',
         '{"do":"Play","row":1,"sides":["sim"],"file":"/etc/passwd"}',
     ],
@@ -45,7 +42,7 @@ def test_a_message_that_no_page_sends_is_invalid(forged: str) -> None:
         '{"do":"MakeReady","side":"sim"}',
         '{"do":"RunCommand","command":6,"side":"hw"}',
         '{"do":"AimHead","yaw":180,"pitch":-30,"roll":0}',
-        '{"do":"SavePose","name":"Kopf hoch"}',
+        '{"do":"AddPose","name":"Kopf hoch"}',
     ],
 )
 def test_a_message_of_a_button_or_a_field_is_read(sent: str) -> None:

@@ -13,7 +13,7 @@ from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Clock, Info, LimitInfo, Reason, Source
+from beatrix_zenoh.contract._generated.messages import Info, LimitInfo, Reason, Source
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer
 from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.settings import Settings
@@ -84,8 +84,8 @@ class Connection:
         self._on_session, self._chosen = on_session, name_given
         self._source, self._shared = source, shared
         self._router_present = True
-        self._trouble = ""
-        self._refused = False
+        self._error: BeatrixError | None = None
+        """why there is no session, or why the router refuses the account; None: neither is known"""
         self._refusals = 0
         self._lock = threading.Lock()
         self._closed = False
@@ -95,17 +95,19 @@ class Connection:
     @property
     def phase(self) -> LinkPhase:
         """Whether the router answers, and accepts the account."""
-        if self._refused:
+        if self._error is not None and self._error.reason is Reason.ACCOUNT_REFUSED:
             return LinkPhase.REFUSED
         if self.session is None:
-            return LinkPhase.NO_ROUTER if self._trouble else LinkPhase.CONNECTING
+            return LinkPhase.CONNECTING if self._error is None else LinkPhase.NO_ROUTER
         return LinkPhase.ONLINE if self._router_present else LinkPhase.NO_ROUTER
 
     @property
     def trouble(self) -> str:
         """The reason why there is no session, router or access; empty if all exist."""
-        if self._refused or self.session is None or self._router_present:
-            return self._trouble
+        if self._error is not None:
+            return self._error.message
+        if self.session is None or self._router_present:
+            return ""
         return (
             f"The router at {self.settings.connect} is lost or does not answer, so the robots stop their motions. The window "
             "reconnects when the router returns."
@@ -114,7 +116,7 @@ class Connection:
     @property
     def missing(self) -> NoAnswer:
         """The error of a request while there is no session."""
-        reason = Reason.ACCOUNT_REFUSED if self._refused else Reason.NO_ROUTER
+        reason = Reason.ACCOUNT_REFUSED if self.phase is LinkPhase.REFUSED else Reason.NO_ROUTER
         return NoAnswer(
             reason, self.trouble or f"The window is looking for the router at {self.settings.connect}."
         )
@@ -142,7 +144,7 @@ class Connection:
         with self._lock:
             old, self.session, self._client = self.session, None, None
             self.settings, self.robot, self._chosen = settings, settings.robot, name_given
-            self._router_present, self._trouble, self._refused, self._refusals = True, "", False, 0
+            self._router_present, self._error, self._refusals = True, None, 0
         if old is not None:
             self._put(old.close)  # it may wait for a robot
         self.try_now()
@@ -180,7 +182,7 @@ class Connection:
         try:
             if self.session is None:
                 self._connect()
-            elif self._router_present or self._refused:
+            elif self._router_present or self._error is not None:
                 self._choose()
             else:
                 self._check_account()
@@ -208,9 +210,8 @@ class Connection:
             return
         with self._lock:
             if not self._closed and settings is self.settings:
-                self._refused = False
+                self._error = None
                 self.session = Session(client, monitor, Twin(self.robot, client=client), seats)
-                self._trouble = ""
                 self._on_session()
                 return
         client.close()
@@ -219,7 +220,7 @@ class Connection:
         """Store why there is no session, unless other settings were chosen meanwhile."""
         with self._lock:
             if settings is self.settings:
-                self._refused, self._trouble = error.reason is Reason.ACCOUNT_REFUSED, error.message
+                self._error = error
 
     def _on_router(self, client: Client, *, present: bool) -> None:
         if client is not self._client:
@@ -237,8 +238,7 @@ class Connection:
         if session is not self.session:
             return
         self._refusals = 0 if error is None else self._refusals + 1
-        self._refused = self._refusals >= REFUSALS
-        self._trouble = error.message if error is not None and self._refused else ""
+        self._error = error if self._refusals >= REFUSALS else None
 
     def _choose(self) -> None:
         """Select a name once, if the user chose none: the only one online or, for the teacher, one of several.
@@ -280,7 +280,7 @@ class Probe:
         self._due_s = 0.0
         """when to query again (monotonic clock, s); infinite while a query is under way"""
         self.round_trip_s: float | None = None
-        """duration (s) of the last query of the clock; None: the robot did not answer, or no query was sent"""
+        """duration (s) of the last query; None: the robot did not answer, or no query was sent"""
         self._limits: tuple[Place, LimitInfo] | None = None
 
     def limits(self, robot: str) -> LimitInfo | None:
@@ -301,10 +301,8 @@ class Probe:
     def _query(self, client: Client, place: Place) -> None:
         began_s = time.monotonic()
         try:
-            ask(client, place, keys.clock(*place), None, Clock, ANSWER_S)
+            self._limits = place, ask(client, place, keys.info(*place), None, Info, ANSWER_S).limits
             self.round_trip_s = time.monotonic() - began_s
-            if self.limits(place[0]) is None:
-                self._limits = place, ask(client, place, keys.info(*place), None, Info, ANSWER_S).limits
         except BeatrixError:
             self.round_trip_s = None
         finally:

@@ -21,8 +21,8 @@ from gui.console.link.jobs import Jobs
 from gui.console.link.moving import Moving, RobotAction
 from gui.console.link.outcomes import WindowError, failed, stopped, write
 from gui.console.link.pictures import Camera, CameraStream, LevelStream, OnImage, Watcher, levels
-from gui.console.link.programs import Following, copy
-from gui.console.link.routers import Routers, own_account
+from gui.console.link.programs import Following
+from gui.console.link.routers import Routers
 from gui.console.link.stopping import send_stop
 from gui.console.state import actions
 from gui.console.state.actions import Action, Outcome, SendStop
@@ -117,7 +117,7 @@ class Link:
             own_hardware=self._children.runs(HARDWARE),
             ports=self._ports.newest,
             child_trouble=self._children.trouble,
-            account=None if account is None else own_account(account),
+            account=account,
             choosing=self._routers.busy,
             router_trouble=self._routers.trouble,
             playing="" if play is None else play.title,
@@ -127,8 +127,6 @@ class Link:
             session="" if session is None else session.client.bus.session_id,
             limits=self._probes["sim"].limits(robot) or self._probes["hw"].limits(robot),
             seats=() if session is None else tuple(session.seats.names()),
-            pupils={} if account is None else {seat: account.shown(seat) for seat in account.names},
-            class_robots=() if account is None else account.robots,
             robots=robots_online(session) if self._lessons.watched else (),
             reports=self._lessons.rows,
             reports_failed=self._lessons.failed,
@@ -166,8 +164,7 @@ class Link:
             actions.UseRouter: self._routers.choose,
             actions.UseAccount: self._routers.choose,
             actions.EndFollowing: lambda _: moving.end_following(),
-            actions.CopyProgram: lambda action: self._keep(lambda: copy(action)),
-            actions.WriteFile: lambda action: self._keep(lambda: write(action)),
+            actions.WriteFile: self._write,
         }
 
     def _see(self, session: Session, eye: Camera) -> CameraStream:
@@ -186,8 +183,8 @@ class Link:
             self.moving.deselect()
         self._connection.select(robot)
 
-    def _keep(self, write: Callable[[], Outcome]) -> None:
-        self._jobs.put("files", lambda: self._report(write()))
+    def _write(self, action: actions.WriteFile) -> None:
+        self._jobs.put("files", lambda: self._report(write(action)))
 
     def _report(self, outcome: Outcome) -> None:
         """Report an outcome on a thread of the link, in the order of the calls."""

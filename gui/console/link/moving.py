@@ -114,11 +114,6 @@ class Moving:
         if self._held is not None and self._held.row == row:
             self._held.release()
 
-    def holds(self, row: int) -> bool:
-        """Return whether the press of this row has not ended."""
-        held = self._held
-        return held is not None and held.row == row and not (held.ends or held.over.is_set())
-
     def send_now(self) -> None:
         """Send the waiting motion of both robots to the hardware now."""
         for plan in self._plans():

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import shutil
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -55,19 +56,18 @@ def of_several(row: int, robots: int, errors: Mapping[Place, BeatrixError]) -> O
     return replace(outcome, robots=robots, failed=tuple("{} ({})".format(*place) for place in errors))
 
 
-def written(row: int, file: Path, write: Callable[[], object]) -> Outcome:
-    """Write a file of the user, and return the outcome."""
-    try:
-        write()
-    except OSError:
-        return failed(row, "", WindowError(Reason.BAD_VALUE, "result.no_write", file=str(file)))
-    return done(row, "", f"{file}: written.")
-
-
 def write(action: WriteFile) -> Outcome:
     """Write the file of an action, and return the outcome."""
-    content = action.content if isinstance(action.content, bytes) else action.content.encode()
-    return written(action.row, action.file, lambda: action.file.write_bytes(content))
+    file, content = action.file, action.content
+    try:
+        if not isinstance(content, Path):
+            file.write_bytes(content.encode() if isinstance(content, str) else content)
+        elif not file.exists():
+            file.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(content, file)
+    except OSError:
+        return failed(action.row, "", WindowError(Reason.BAD_VALUE, "result.no_write", file=str(file)))
+    return done(action.row, "", f"{file}: written.")
 
 
 def replaced() -> WindowError:

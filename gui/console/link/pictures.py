@@ -150,8 +150,9 @@ class Watcher(Generic[Key, Stream]):
 
     def restart(self) -> None:
         """Subscribe anew to all streams, because there is another session; returns at once."""
-        self._jobs.put(self._name, lambda: self._apply(frozenset()))
-        self.watch(self._wanted)
+        if self._wanted:
+            self._jobs.put(self._name, lambda: self._apply(frozenset()))
+            self.watch(self._wanted)
 
     def close(self) -> None:
         """End all subscriptions; returns at once."""

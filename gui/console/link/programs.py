@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import shutil
 import time
 from collections.abc import Iterator
 from importlib import resources
@@ -17,9 +16,9 @@ from beatrix_zenoh.contract._generated.messages import Detail, Reason, TargetRep
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.processes import POLL_S, Child, Supervisor
 from beatrix_zenoh.settings import Settings
-from gui.console.link.outcomes import WindowError, accepted, written
+from gui.console.link.outcomes import WindowError, accepted
 from gui.console.link.request import BOTH, Program, Report
-from gui.console.state.actions import CopyProgram, FollowFace, Outcome
+from gui.console.state.actions import FollowFace
 from gui.console.state.world import FaceProgress
 
 NAME: Final = "follow_the_face.py"
@@ -54,17 +53,6 @@ class FaceProgram:
     def progress(self, *, running: bool) -> FaceProgress:
         """Return whether the program runs, its files, and its last line."""
         return FaceProgress(running, self.file, self._own, self.line)
-
-
-def copy(action: CopyProgram) -> Outcome:
-    """Copy the shipped program to the file of the action, unless it exists."""
-
-    def write() -> None:
-        if not action.file.exists():
-            action.file.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(SHIPPED, action.file)
-
-    return written(action.row, action.file, write)
 
 
 class Following(Program):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import datetime as dt
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +9,6 @@ from pathlib import Path
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import settings as resolved
-from beatrix_zenoh.account import Account, days_left, today
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
@@ -19,7 +17,7 @@ from gui.console.link.connection import Connection
 from gui.console.link.jobs import Jobs
 from gui.console.state.actions import UseAccount, UseRouter
 from gui.console.state.connecting import refusal
-from gui.console.state.world import LinkPhase, OwnAccount, Trouble
+from gui.console.state.world import LinkPhase, Trouble
 
 
 class Routers:
@@ -98,13 +96,6 @@ class Routers:
         return None
 
 
-def own_account(account: Account) -> OwnAccount:
-    """Return what a window shows of its account."""
-    expired = dt.datetime.now().astimezone().date() > account.expires
-    expiring = days_left(account.expires, today()) is not None
-    return OwnAccount(account.name, account.class_name, account.expires.isoformat(), expired, expiring)
-
-
 def _refusal(settings: Settings) -> BeatrixError | None:
     """Return why a router does not accept these settings; None if it does."""
     try:
@@ -115,8 +106,7 @@ def _refusal(settings: Settings) -> BeatrixError | None:
 
 
 def _trouble(error: BeatrixError, settings: Settings) -> Trouble:
-    endpoint, account = settings.connect, settings.account
     if error.reason is Reason.NO_ROUTER:
-        return Trouble("connect.unanswered", detail=error.message, slots={"endpoint": endpoint})
-    key, slots = refusal(endpoint, None if account is None else own_account(account))
+        return Trouble("connect.unanswered", detail=error.message, slots={"endpoint": settings.connect})
+    key, slots = refusal(settings.connect, settings.account, accounts.today())
     return Trouble(key, detail=error.message, slots=slots)

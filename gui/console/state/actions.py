@@ -20,7 +20,7 @@ from beatrix_zenoh.contract._generated.messages import (
     PoseQuery,
     Reason,
 )
-from gui.console.state.intents import Intent
+from gui.console.state.intents import Intent, Side
 
 NEW: Final = 0
 """Row of a request that a button reports; the history gives it a number."""
@@ -72,7 +72,7 @@ class SendCommand(Action, frozen=True):
 class MakeReady(Action, frozen=True):
     """Enable and calibrate one robot, unless that is done already."""
 
-    side: str
+    side: Side
     row: int = NEW
 
 
@@ -89,7 +89,7 @@ class AskLease(Action, frozen=True):
 
     action: LeaseAction
     """TAKE, WAIT or GIVE_BACK"""
-    side: str
+    side: Side
     row: int = NEW
 
 
@@ -159,20 +159,13 @@ class EndFollowing(Action, frozen=True):
     """End the program that follows a face."""
 
 
-class CopyProgram(Action, frozen=True):
-    """Copy the program that follows a face to a file of the user, unless the file exists."""
-
-    row: int
-    file: Path
-
-
 class WriteFile(Action, frozen=True):
     """Write or replace a file; the outcome names no robot."""
 
     row: int
     file: Path
-    content: str | bytes
-    """text (UTF-8), or a picture"""
+    content: str | bytes | Path
+    """text (UTF-8), a picture, or a file to copy unless the one to write exists"""
 
 
 class WatchCameras(Action, frozen=True):

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Final
+from typing import Annotated, Final
 
-from msgspec import structs
+from msgspec import Meta, structs
 
 from beatrix_zenoh.client.degrees import ArmAngles, arm_angles, motion_query
 from beatrix_zenoh.client.twin_motion import furthest
@@ -20,8 +20,7 @@ from beatrix_zenoh.motion.gear import Gear
 from gui.console.state import refusals
 from gui.console.state.actions import NEW, Action, Hold, Release, Send
 from gui.console.state.intents import ALL_ARMS, Intent, Jog
-from gui.console.state.memory import Handles, Memory, send_arms, unreachable
-from gui.console.state.memory import begin as begin_request
+from gui.console.state.memory import Handles, Memory, begin, send_arms, unreachable
 from gui.console.state.views import ArmRowView, ArmsView, ButtonView
 from gui.console.state.world import World, commanded, reading
 
@@ -151,9 +150,8 @@ def _moved(start: ArmAngles, chosen: tuple[str, ...], by: float, *, relative: bo
 class HoldArm(Intent, frozen=True):
     """+ or - of an arm, or of an axis of the head, is held; reported again and again until the release."""
 
-    arm: str
-    """`short`, `middle`, `long` or `all`; `yaw`, `pitch` or `roll`"""
-    sign: int
+    arm: Annotated[str, Meta(pattern="^(short|middle|long|all|yaw|pitch|roll)$")]
+    sign: Annotated[int, Meta(ge=-1, le=1)]
     """+1 or -1"""
 
 
@@ -172,23 +170,17 @@ def jog_query(part: str, sign: int, speed_deg_s: float, ahead_s: float) -> Motio
     return MotionQuery(absolute=False, position=Vector3(x, y, z), speed=Vector3(speed, speed, speed))
 
 
-def begin(memory: Memory, world: World, query: MotionQuery | PoseQuery, control: str) -> int | None:
-    """Add the one row of a hold to the history; return its number, or None if the hold is refused."""
-    begun = begin_request(memory, world, Send(NEW, query, memory.choices.sides), control)
-    return memory.numbers if begun else None
-
-
 def hold(memory: Memory, world: World, intent: HoldArm) -> list[Action]:
-    """Return the action of a held button; none if the hold is refused."""
-    speed = memory.choices.speed
+    """Return the action of a held button, which has one row in the history; none if the hold is refused."""
+    speed, sides = memory.choices.speed, memory.choices.sides
     if memory.held_row is None:
         query = jog_query(intent.arm, intent.sign, speed, AHEAD_S)
         control = "head" if intent.arm in ROTATIONS else intent.arm
-        memory.held_row = begin(memory, world, query, control) or REFUSED
-        memory.open_hold = memory.held_row
+        begun = begin(memory, world, Send(NEW, query, sides), control)
+        memory.held_row = memory.open_hold = memory.numbers if begun else REFUSED
     if memory.held_row == REFUSED:
         return []
-    return [Hold(memory.held_row, intent.arm, intent.sign, speed, memory.choices.sides)]
+    return [Hold(memory.held_row, intent.arm, intent.sign, speed, sides)]
 
 
 def release(memory: Memory, _world: World, _intent: ReleaseArm) -> list[Action]:

@@ -8,6 +8,7 @@ from typing import Final
 
 from msgspec import structs
 
+from beatrix_zenoh.account import days_left
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.lease import limit_of
 from beatrix_zenoh.client.monitor import SeatStops, stops_by_seat
@@ -74,19 +75,20 @@ def _summary(world: World, texts: Texts) -> str:
             "class.stops", stops=", ".join(_stops(one, world, texts) for one in stops[:STOPS_SHOWN])
         )
     account = world.account
-    if account is not None and account.expiring:
-        text += " " + texts("class.expired" if account.expired else "class.expires", expires=account.expires)
+    days = None if account is None else days_left(account.expires, world.today)
+    if account is not None and days is not None:
+        text += " " + texts(f"class.{'expired' if days < 0 else 'expires'}", expires=str(account.expires))
     return text
 
 
 def _shown(world: World, seats: Iterable[str]) -> str:
-    return ", ".join(world.pupils.get(seat, seat) for seat in seats)
+    return ", ".join(map(world.shown, seats))
 
 
 def _stops(stops: SeatStops, world: World, texts: Texts) -> str:
     """Return the STOPs of one seat as words: `ben 3 (bea1 hw 2, bea2 hw 1)`."""
     robots = ", ".join(f"{robot} {side} {count}" for (robot, side), count in stops.robots.items())
-    seat = world.pupils.get(stops.seat, stops.seat) or texts("who.unknown")
+    seat = world.shown(stops.seat) or texts("who.unknown")
     return f"{seat} {stops.total} ({robots})"
 
 
@@ -99,7 +101,7 @@ def _seats(world: World, texts: Texts) -> tuple[SeatView, ...]:
     muted = _muted(world)
     views = []
     for seat in sorted({*world.seats, *muted} - {TEACHER}):
-        key, shown = "unmute" if seat in muted else "mute", world.pupils.get(seat, seat)
+        key, shown = "unmute" if seat in muted else "mute", world.shown(seat)
         intent = Govern(NEW, LeaseAction.UNMUTE if seat in muted else LeaseAction.MUTE, seat=seat)
         text = texts("class.muted_seat", seat=shown) if seat in muted else shown
         views.append(SeatView(text, button(texts, f"class.{key}", intent, seat=shown)))
@@ -157,7 +159,7 @@ def _row(robot: RobotState, world: World, texts: Texts) -> ClassRowView:
     mine = status is not None and status.holder == world.seat and bool(status.lease)
     take = Govern(NEW, LeaseAction.GIVE_BACK if mine else LeaseAction.TAKE, (place,))
     remarks = _remarks(status, found, texts)
-    if status is not None and (not world.class_robots or robot.robot in world.class_robots):
+    if status is not None and not (world.account is not None and world.account.of_seat(robot.robot)):
         missing = sorted(_muted(world) - {*status.muted})
         remarks += [texts("class.not_muted", seats=_shown(world, missing))] if missing else []
     return ClassRowView(
@@ -198,7 +200,7 @@ def _remarks(status: Status | None, found: pills.RobotCondition, texts: Texts) -
 def _driver(status: Status | None, world: World, texts: Texts) -> str:
     if status is None or not status.holder:
         return ""
-    holder = world.pupils.get(status.holder, status.holder)
+    holder = world.shown(status.holder)
     return texts("class.taken", holder=holder) if status.lease else holder
 
 

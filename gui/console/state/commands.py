@@ -1,13 +1,16 @@
-"""Buttons and what they do: calibrate, home, enable, disable, reset, make ready, STOP, Record."""
+"""Buttons and what they do: calibrate, home, undo, enable, disable, reset, make ready, STOP, Record."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import NamedTuple
+
+from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.contract._generated.messages import Command
 from gui.console.state import actions, refusals, sending, sequence
 from gui.console.state.actions import NEW, Action, MakeReady, SendCommand, SendStop, WriteFile
 from gui.console.state.intents import EmergencyStop, Intent, Repeat, RunCommand, Stop, Undo, WindowPage
-from gui.console.state.memory import Handles, Memory, again, begin, pass_on, send_arms
-from gui.console.state.poses import way_back
+from gui.console.state.memory import Handles, Memory, Request, RequestRow, again, begin, send_arms
 from gui.console.state.views import ButtonView, CommandsView, RecordView, button
 from gui.console.state.world import LinkPhase, World
 
@@ -76,8 +79,8 @@ def run(memory: Memory, world: World, intent: RunCommand) -> list[Action]:
     return begin(memory, world, request, CONTROL)
 
 
-def make_ready(memory: Memory, world: World, intent: MakeReady) -> list[Action]:
-    """Return the action that enables and calibrates a robot."""
+def request(memory: Memory, world: World, intent: MakeReady | WriteFile) -> list[Action]:
+    """Return the action that makes a robot ready, or writes a file of the user, for example the exported plots."""
     return begin(memory, world, intent, CONTROL)
 
 
@@ -91,10 +94,50 @@ def repeat(memory: Memory, world: World, intent: Repeat) -> list[Action]:
     return begin(memory, world, again(memory, row.request), row.control)
 
 
-def write(memory: Memory, world: World, intent: WriteFile) -> list[Action]:
-    """Return the action that writes a file of the user, for example the exported plots."""
-    return (
-        begin(memory, world, intent, CONTROL) if intent.file.name else memory.refuse(CONTROL, "cannot.file")
+class WayBack(NamedTuple):
+    """What *Undo* does now."""
+
+    row: RequestRow
+    """the motion that it undoes"""
+    sides: tuple[str, ...]
+    """the checked robots that made that motion"""
+    arms: ArmAngles
+    """where they go (deg): the arms before that motion"""
+
+
+def way_back(memory: Memory) -> WayBack | None:
+    """Return how the newest motion of a checked robot is undone; None if there is none.
+
+    Robots that did not make the motion stay where they are. If both made it from different places, both go to that of
+    the hardware: it gets no pose that only the simulation had, and both go there with preview and lead. Angles are
+    counted from home, so nothing is undone that is older than a request that may have changed home.
+    """
+    for row in reversed(memory.rows):
+        if row.accepted and sets_home(row.request):
+            return None
+        sides = tuple(side for side in memory.choices.sides if side in row.before)
+        if row.accepted and not row.undoes and sides:
+            return WayBack(row, sides, row.before[sides[-1]])
+    return None
+
+
+def undo(memory: Memory, world: World, _intent: Undo) -> list[Action]:
+    """Return the action that turns the arms back to their angles before the last accepted motion."""
+    found = way_back(memory)
+    if found is None:
+        return memory.refuse(CONTROL, "off.no_undo")
+    begun = send_arms(memory, world, found.arms, CONTROL, undoes=True, sides=found.sides)
+    if begun:  # so that each robot goes further back at the next press
+        rest = {side: arms for side, arms in found.row.before.items() if side not in found.sides}
+        memory.replace_row(replace(found.row, before=rest))
+    return begun
+
+
+def sets_home(request: Request) -> bool:
+    """Return whether a request may change home, the position from which arm angles are counted."""
+    commands = (Command.ENABLE, Command.CALIBRATE)
+    return isinstance(request, MakeReady) or (
+        isinstance(request, SendCommand) and request.command in commands
     )
 
 
@@ -122,10 +165,8 @@ HANDLES: Handles = {
     Stop: stop,
     EmergencyStop: stop,
     RunCommand: run,
-    MakeReady: make_ready,
+    MakeReady: request,
     Repeat: repeat,
-    WriteFile: write,
-    actions.BeginRecording: pass_on,
-    actions.EndRecording: pass_on,
-    actions.ViewRecording: pass_on,
+    Undo: undo,
+    WriteFile: request,
 }

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import datetime as dt
 from pathlib import Path
 from typing import Final
 
+from beatrix_zenoh.account import Account
 from beatrix_zenoh.contract._generated.messages import Fault
 from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 from gui.console.state import actions
 from gui.console.state.actions import Action, ConnectHardware, LookForPorts, StartSimulation
 from gui.console.state.intents import Intent
-from gui.console.state.memory import Handles, Memory, pass_on
+from gui.console.state.memory import Handles, Memory
 from gui.console.state.views import ButtonView, ConnectView, RouterView, button
-from gui.console.state.world import LinkPhase, OwnAccount, UsbPort, World, online
+from gui.console.state.world import LinkPhase, UsbPort, World, fault_of, online
 from gui.console.texts import Texts
 
 VIRTUAL: Final = "virtual:"
@@ -63,12 +65,7 @@ def router(world: World, texts: Texts) -> RouterView:
         text, good = texts(failed.key, **failed.slots), False
     else:
         text, good = _router_state(world, texts)
-    if account is None:
-        own = texts("connect.no_account")
-    else:
-        own = texts(
-            "connect.account", account=account.name, expires=account.expires, **{"class": account.class_name}
-        )
+    own = texts("connect.no_account") if account is None else texts("connect.account", **_slots(account))
     return RouterView(
         world.endpoint,
         text,
@@ -94,19 +91,23 @@ def _router_state(world: World, texts: Texts) -> tuple[str, bool | None]:
 
 def refused(world: World, texts: Texts) -> str:
     """Return why the router does not accept this window, and what to do."""
-    key, slots = refusal(world.endpoint, world.account)
+    key, slots = refusal(world.endpoint, world.account, world.today)
     return texts(key, **slots)
 
 
-def refusal(endpoint: str, account: OwnAccount | None) -> tuple[str, dict[str, str]]:
+def refusal(endpoint: str, account: Account | None, today: dt.date) -> tuple[str, dict[str, str]]:
     """Return the key and the slots of the text why the router at an endpoint does not accept an account, or none."""
     slots = {"endpoint": endpoint}
     if account is None:
         return "connect.needs_account", slots
-    slots |= {"account": account.name, "class": account.class_name, "expires": account.expires}
-    if not account.expired:
+    slots |= _slots(account)
+    if today <= account.expires:
         return "connect.foreign", slots
     return "class.expired" if account.name == TEACHER else "connect.expired", slots
+
+
+def _slots(account: Account) -> dict[str, str]:
+    return {"account": account.name, "class": account.class_name, "expires": str(account.expires)}
 
 
 def completed(address: str) -> str:
@@ -163,17 +164,11 @@ def follow(memory: Memory, world: World) -> None:
 def _serves(world: World) -> bool:
     """Return whether hardware is online, and its board answers."""
     status = world.hw.status
-    return (
-        online(world, "hw")
-        and status is not None
-        and status.fault is not Fault.BOARD_LOST
-        and status.board.connected
-    )
+    return online(world, "hw") and status is not None and fault_of(status) is not Fault.BOARD_LOST
 
 
 HANDLES: Handles = {
     StartSimulation: simulate,
-    actions.Retry: pass_on,
     LookForPorts: look_for_ports,
     ConnectHardware: use_port,
     CloseConnect: close,

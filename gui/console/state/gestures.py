@@ -7,8 +7,8 @@ from msgspec import structs
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.choreography import GESTURES
 from gui.console.state import refusals
-from gui.console.state.actions import NEW, POSES, Action, CopyProgram, EndFollowing, FollowFace, Play
-from gui.console.state.memory import Handles, Memory, begin, lead_of, pass_on, unreachable
+from gui.console.state.actions import NEW, POSES, Action, EndFollowing, FollowFace, Play, WriteFile
+from gui.console.state.memory import Handles, Memory, begin, lead_of, unreachable
 from gui.console.state.views import ButtonView, GesturesView, button
 from gui.console.state.world import World
 from gui.console.texts import Texts
@@ -36,7 +36,7 @@ def view(memory: Memory, world: World) -> GesturesView:
         gestures=tuple((name, _gesture(name, off, texts)) for name in GESTURES),
         follow=follow,
         following=face.running,
-        open=button(texts, "gesture.open", CopyProgram(NEW, face.own_file), file=str(face.own_file)),
+        open=button(texts, "gesture.open", WriteFile(NEW, face.own_file, face.file), file=str(face.own_file)),
         note=note,
         details=texts("gesture.line", line=face.line) if face.line else "",
         refusal=refusals.at(memory, (CONTROL,)),
@@ -52,11 +52,6 @@ def title(playing: str, texts: Texts) -> str:
     if playing == POSES:
         return texts("label.poses")
     return texts(f"gesture.{playing}") if playing in GESTURES else playing
-
-
-def copy(memory: Memory, world: World, intent: CopyProgram) -> list[Action]:
-    """Return the action that copies the program."""
-    return begin(memory, world, intent, CONTROL)
 
 
 def play(memory: Memory, world: World, intent: Play) -> list[Action]:
@@ -84,4 +79,4 @@ def sees(robot: RobotState) -> bool:
     return any(camera.eye == EYE and camera.connected and camera.source != TEST_PICTURE for camera in cameras)
 
 
-HANDLES: Handles = {Play: play, FollowFace: follow_face, EndFollowing: pass_on, CopyProgram: copy}
+HANDLES: Handles = {Play: play, FollowFace: follow_face}

@@ -18,15 +18,13 @@ from beatrix_zenoh.contract._generated.messages import (
 )
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import actions, code_lines, other_seats
-from gui.console.state.actions import NEW, Action, Govern, Outcome, Play, Send, SendStop, WriteFile
-from gui.console.state.intents import Intent
-from gui.console.state.memory import Handles, Memory, Request, RequestRow, begin
+from gui.console.state.actions import Govern, Outcome, Play, Send, SendStop
+from gui.console.state.memory import Memory, RequestRow
 from gui.console.state.refusals import reason_of, sentence, side_of, told_by
 from gui.console.state.views import CodeLine, CodeView, HistoryRowView
 from gui.console.state.world import Trouble, World, news
 from gui.console.texts import Texts
 
-CONTROL = "commands"
 SHOWN = 100
 """Largest number of rows of the view."""
 SYMBOLS = {True: "✓", False: "✕", None: "…"}
@@ -192,10 +190,27 @@ def _what_of(row: RequestRow, texts: Texts) -> str:
 
 def what(row: RequestRow, texts: Texts) -> str:
     """Return a request in a few words."""
-    request = row.request
-    if isinstance(request, Send):
-        return _motion(request.query, texts)
-    return _other(request, texts)
+    key, slots = "what.ready", {}
+    match row.request:
+        case Send(query=query):
+            return _motion(query, texts)
+        case Govern():
+            return _governed(row.request, texts)
+        case Play():
+            return _played(row.request, texts)
+        case actions.SendCommand(command=command, value=value):
+            on = value or command is not Command.ENABLE
+            key = other_seats.WHATS[command.name] if on else "what.disable"
+        case SendStop(everywhere=everywhere, emergency=emergency):
+            verb = "emergency_stop" if emergency else "stop"
+            key = f"what.{verb}_all" if everywhere else f"what.{verb}"
+        case actions.AskLease(action=action):
+            key = other_seats.WHATS[action.value]
+        case actions.FollowFace():
+            key = "what.follow_face"
+        case actions.WriteFile(file=file):
+            key, slots = "what.save", {"title": file.name}
+    return texts(key, **slots)
 
 
 def _motion(query: MotionQuery | PoseQuery, texts: Texts) -> str:
@@ -219,30 +234,6 @@ def _way(query: PoseQuery, texts: Texts) -> str:
         if angle
     )
     return ", ".join(ways) or texts("way.ahead")
-
-
-def _other(request: Request, texts: Texts) -> str:
-    if isinstance(request, Govern):
-        return _governed(request, texts)
-    if isinstance(request, Play):
-        return _played(request, texts)
-    key, slots = "what.ready", {}
-    match request:
-        case actions.SendCommand(command=command, value=value):
-            on = value or command is not Command.ENABLE
-            key = other_seats.WHATS[command.name] if on else "what.disable"
-        case SendStop(everywhere=everywhere, emergency=emergency):
-            verb = "emergency_stop" if emergency else "stop"
-            key = f"what.{verb}_all" if everywhere else f"what.{verb}"
-        case actions.AskLease(action=action):
-            key = other_seats.WHATS[action.value]
-        case actions.FollowFace():
-            key = "what.follow_face"
-        case actions.CopyProgram(file=file):
-            key, slots = "what.copy_program", {"file": str(file)}
-        case actions.WriteFile(file=file):
-            key, slots = "what.save", {"title": file.name}
-    return texts(key, **slots)
 
 
 def _played(request: Play, texts: Texts) -> str:
@@ -278,12 +269,6 @@ def _number(value: float, texts: Texts, *, signed: bool = False) -> str:
 # -- the program so far -------------------------------------------------------------------------------
 
 
-class SaveProgram(Intent, frozen=True):
-    """Write the program so far."""
-
-    file: Path
-
-
 def code_view(memory: Memory, world: World) -> CodeView:
     """Return the program so far."""
     made_from = (memory.rows, world.robot, world.endpoint, world.who, memory.choices.language)
@@ -312,14 +297,3 @@ def _lines(row: RequestRow, texts: Texts) -> list[CodeLine]:
     first, _, _ = text.partition(". ")
     comment = " ".join(f"# {what(row, texts)}: {first}".split())
     return [CodeLine(comment.removesuffix("."), row.number)]
-
-
-def save(memory: Memory, world: World, intent: SaveProgram) -> list[Action]:
-    """Return the action that writes the program so far."""
-    if not intent.file.name:
-        return memory.refuse(CONTROL, "cannot.file")
-    text = code_view(memory, world).text
-    return begin(memory, world, WriteFile(NEW, intent.file, text), CONTROL)
-
-
-HANDLES: Handles = {SaveProgram: save}

@@ -8,12 +8,20 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
+from typing import Annotated
 
 import msgspec
+from msgspec import Meta
 
 from beatrix_zenoh.contract._generated.messages import Command
 
 ALL_ARMS = "all"
+
+Angle = Annotated[float, Meta(ge=-360, le=360)]
+"""deg"""
+PoseName = Annotated[str, Meta(max_length=64)]
+Side = Annotated[str, Meta(pattern="^(sim|hw)$")]
+"""These limits hold for the messages of pages, which msgspec decodes."""
 
 
 @dataclass(frozen=True)
@@ -79,9 +87,9 @@ class Jog(Intent, frozen=True):
 class AimHead(Intent, frozen=True):
     """Move the target of the head pad; nothing is sent."""
 
-    yaw: float
-    pitch: float
-    roll: float
+    yaw: Angle
+    pitch: Angle
+    roll: Angle
 
 
 class SendHead(Intent, frozen=True):
@@ -106,8 +114,8 @@ class RunCommand(Intent, frozen=True):
     command: Command
     value: bool = True
     """for ENABLE: on or off"""
-    side: str = ""
-    """`sim` or `hw`; empty: the checked robots"""
+    side: Annotated[str, Meta(pattern="^(sim|hw|)$")] = ""
+    """empty: the checked robots"""
 
 
 class DismissNotice(Intent, frozen=True):
@@ -148,28 +156,6 @@ class Repeat(Intent, frozen=True):
     """number of the row"""
 
 
-class SavePose(Intent, frozen=True):
-    """Save the present arm angles under a name."""
-
-    name: str
-
-
-class DeletePose(Intent, frozen=True):
-    """Delete a saved pose."""
-
-    name: str
-
-
-class GoToPose(Intent, frozen=True):
-    """Turn the arms to a saved pose."""
-
-    name: str
-
-
-class PlayPoses(Intent, frozen=True):
-    """Play saved poses one after the other, in the order of their list."""
-
-
 class Choose(Intent, frozen=True):
     """Change a choice of the user."""
 
@@ -180,6 +166,15 @@ class Choose(Intent, frozen=True):
 
 class AddPose(Intent, frozen=True):
     """Add the target of the pad, or the present pose, at the end."""
+
+    name: PoseName = ""
+    """empty: `pose-1`, or the next free number"""
+
+
+class DeletePose(Intent, frozen=True):
+    """Delete a pose."""
+
+    name: PoseName
 
 
 class MovePose(Intent, frozen=True):
@@ -199,7 +194,7 @@ class DuplicatePose(Intent, frozen=True):
 class SetDuration(Intent, frozen=True):
     """Choose the time in which a pose is reached from the previous one."""
 
-    name: str
+    name: PoseName
     seconds: float
 
 
@@ -217,8 +212,7 @@ class UndoSequence(Intent, frozen=True):
 class PlaySequence(Intent, frozen=True):
     """Play the sequence on one robot; on the hardware only after the simulation has played it."""
 
-    side: str
-    """`sim` or `hw`"""
+    side: Side
 
 
 class SaveSequence(Intent, frozen=True):

@@ -75,7 +75,8 @@ def view(world: World, texts: Texts) -> LessonsView:
     reports = world.reports or ()
     columns = tuple(sorted({row.lesson[:2] for row in reports}))
     by_seat = {seat: list(rows) for seat, rows in groupby(reports, lambda row: row.seat)}
-    seats = {*by_seat, *((*world.seats, *world.pupils) if by_seat else ())} - {TEACHER}
+    pupils = () if world.account is None else world.account.names
+    seats = {*by_seat, *((*world.seats, *pupils) if by_seat else ())} - {TEACHER}
     rows = [_row(seat, by_seat.get(seat, []), columns, world, texts) for seat in seats]
     rows.sort(key=lambda row: (row.progress is not Progress.STUCK, row.cells[0].casefold(), row.seat))
     stuck = sum(row.progress is Progress.STUCK for row in rows)
@@ -107,7 +108,7 @@ def _row(
     return LessonRowView(
         seat=seat,
         cells=(
-            world.pupils.get(seat, seat),
+            world.shown(seat),
             "" if shown is None else shown.lesson,
             texts("lessons.none") if shown is None else _words(shown, texts),
             str(passed) if reports else "",

@@ -29,7 +29,7 @@ Motion = actions.Send | actions.Play | actions.FollowFace
 """Actions that move robots until they end."""
 ToRobots = Motion | actions.SendCommand | actions.AskLease | actions.MakeReady
 """Actions that are sent only if their robots are online."""
-Request = ToRobots | actions.SendStop | actions.Govern | actions.WriteFile | actions.CopyProgram
+Request = ToRobots | actions.SendStop | actions.Govern | actions.WriteFile
 """Actions with a row in the history."""
 
 
@@ -40,7 +40,7 @@ def sides_of(request: Request) -> tuple[str, ...]:
             return (side,)
         case actions.SendStop(everywhere=everywhere):
             return () if everywhere else SIDES
-        case actions.Govern() | actions.WriteFile() | actions.CopyProgram():
+        case actions.Govern() | actions.WriteFile():
             return ()
     return request.sides
 
@@ -227,7 +227,7 @@ Handles = Mapping[type[Intent], Callable[[Memory, World, Never], list[Action]]]
 
 
 def pass_on(_memory: Memory, _world: World, action: Action) -> list[Action]:
-    """Return an action for which nothing is left to decide."""
+    """Return an action for which nothing is left to decide; for those that no topic handles."""
     return [action]
 
 

@@ -23,7 +23,7 @@ from gui.console.state.actions import ChooseRobot, LookForPorts, Retry, StartSim
 from gui.console.state.intents import Intent, RunCommand
 from gui.console.state.memory import Memory
 from gui.console.state.views import BannerView, ButtonView, Condition, PillView, button
-from gui.console.state.world import LinkPhase, World, online, silent
+from gui.console.state.world import LinkPhase, World, fault_of, online, silent
 from gui.console.texts import DEFAULT_LANGUAGE, Texts
 
 SYMBOLS: Final = {
@@ -191,13 +191,6 @@ def _absent(world: World, side: str, texts: Texts) -> RobotCondition:
         key, reason = "absent", texts(f"reason.absent_{side}", robot=world.robot)
     step = ("START" if side == "sim" else CONNECT) if reason else ""
     return RobotCondition(Condition.ABSENT, texts(f"condition.{key}"), reason, step)
-
-
-def fault_of(status: Status) -> Fault:
-    """Return the fault of a robot; BOARD_LOST if there is none and the board is not connected."""
-    if status.fault is Fault.NONE and not status.board.connected:
-        return Fault.BOARD_LOST
-    return status.fault
 
 
 def _faulty(fault: Fault, status: Status, texts: Texts) -> RobotCondition:

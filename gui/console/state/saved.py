@@ -6,7 +6,7 @@ import os
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Final
+from typing import Annotated, Any, Final
 
 import msgspec
 from msgspec import Meta
@@ -51,7 +51,7 @@ class Remembered(msgspec.Struct, frozen=True):
     """
 
     theme: Theme = Theme.DARK
-    language: str = DEFAULT_LANGUAGE
+    language: Annotated[str, Meta(pattern=f"^({'|'.join(LANGUAGES)})$")] = DEFAULT_LANGUAGE
     increment: Annotated[float, Meta(gt=0, le=360)] = 5.0
     """how far + and - turn an arm (deg)"""
     speed: Annotated[float, Meta(gt=0, le=SPEED_MAX)] = 30.0
@@ -138,15 +138,14 @@ KINDS: Final = {row.name: row.type for row in fields(Choices) if row.name not in
 """What a choice of a widget may be, by its name."""
 
 
-def choices_from(saved: Saved) -> Choices:
-    """Return choices with saved values; defaults for the others."""
-    kept = {name: getattr(saved, name) for name in Remembered.__struct_fields__}
-    return Choices(**kept | {"language": saved.language if saved.language in LANGUAGES else DEFAULT_LANGUAGE})
+def remembered(choices: Remembered) -> dict[str, Any]:
+    """Return the choices that a file keeps, by name."""
+    return {name: getattr(choices, name) for name in Remembered.__struct_fields__}
 
 
 def changed(choices: Choices, name: str, value: object) -> Choices | None:
     """Return choices with another value; None if no widget offers it."""
-    if name not in KINDS or (name == "language" and value not in LANGUAGES):
+    if name not in KINDS:
         return None
     try:
         return replace(choices, **{name: msgspec.convert(value, KINDS[name])})

@@ -127,21 +127,24 @@ def changed(poses: tuple[SavedPose, ...], intent: Intent) -> tuple[SavedPose, ..
     at = next((number for number, pose in enumerate(poses) if pose.name == getattr(intent, "name", "")), None)
     if at is None:
         return poses
-    pose, others = poses[at], (*poses[:at], *poses[at + 1 :])
+    pose = poses[at]
+    new: tuple[SavedPose, ...] = (pose,)
     match intent:
         case MovePose(to=to):
+            others = (*poses[:at], *poses[at + 1 :])
             to = max(0, min(to, len(others)))
             return (*others[:to], pose, *others[to:])
+        case intents.DeletePose():
+            new = ()
         case DuplicatePose() if len(poses) < POSES_MAX:
             copy = structs.replace(pose, name=_free(poses, pose.name), duration_s=max(1.0, pose.duration_s))
-            return (*poses[: at + 1], copy, *poses[at + 1 :])
+            new = (pose, copy)
         case SetDuration(seconds=seconds) if math.isfinite(seconds):
             chosen_s = round(min(DURATION_MAX_S, max(DURATION_MIN_S, seconds)), 1)
-            return (*poses[:at], structs.replace(pose, duration_s=chosen_s), *poses[at + 1 :])
-        case RenamePose(new=new) if new.strip() and new.strip() != pose.name:
-            name = new.strip()
-            return (*poses[:at], structs.replace(pose, name=_free(poses, name)), *poses[at + 1 :])
-    return poses
+            new = (structs.replace(pose, duration_s=chosen_s),)
+        case RenamePose(new=name) if name.strip() not in ("", pose.name):
+            new = (structs.replace(pose, name=_free(poses, name.strip())),)
+    return (*poses[:at], *new, *poses[at + 1 :])
 
 
 def _free(poses: tuple[SavedPose, ...], name: str) -> str:
@@ -155,18 +158,11 @@ def _free(poses: tuple[SavedPose, ...], name: str) -> str:
     return next(new for count in range(2, len(poses) + 3) if (new := f"{stem}-{count}") not in names)
 
 
-def new_pose(memory: Memory, world: World, name: str, arms: ArmAngles) -> SavedPose:
-    """Return a pose at the end of the sequence; its duration is that of a motion at the chosen speed."""
-    short, middle, long = (round(angle, 3) + 0.0 for angle in arms)
-    others = [pose for pose in memory.poses if pose.name != name]
-    before = ArmAngles(*others[-1].arms) if others else timing.HOME
-    pose = SavedPose(name, short, middle, long)
-    duration_s = timing.comfortable(before, pose, memory.choices.speed, timing.limits_of(world))
-    return structs.replace(pose, duration_s=duration_s)
+def _add(memory: Memory, world: World, intent: intents.AddPose) -> list[Action]:
+    """Add the target of the pad, if the user has set one, else the present pose.
 
-
-def _add(memory: Memory, world: World, _intent: intents.AddPose) -> list[Action]:
-    """Add the target of the pad, if the user has set one, else the present pose."""
+    Its duration is that of a motion at the chosen speed.
+    """
     target = memory.choices.target
     if len(memory.poses) >= POSES_MAX:
         return memory.refuse(CONTROL, "off.sequence_full", count=str(POSES_MAX))
@@ -177,45 +173,44 @@ def _add(memory: Memory, world: World, _intent: intents.AddPose) -> list[Action]
         return memory.refuse_error(CONTROL, error)
     if arms is None:
         return memory.refuse(CONTROL, "off.no_position")
-    name = _free(memory.poses, f"{memory.choices.texts('sequence.auto_name')}-1")
-    return change(memory, (*memory.poses, new_pose(memory, world, name, arms)))
+    name = intent.name.strip() or f"{memory.choices.texts('sequence.auto_name')}-1"
+    before = ArmAngles(*memory.poses[-1].arms) if memory.poses else timing.HOME
+    pose = SavedPose(_free(memory.poses, name), *(round(angle, 3) + 0.0 for angle in arms))
+    duration_s = timing.comfortable(before, pose, memory.choices.speed, timing.limits_of(world))
+    return change(memory, (*memory.poses, structs.replace(pose, duration_s=duration_s)))
 
 
 # -- playing ----------------------------------------------------------------------------------------
 
 
-def play(memory: Memory, world: World, sides: tuple[str, ...], lead_s: float = 0.0) -> list[Action]:
+def play(memory: Memory, world: World, intent: intents.PlaySequence) -> list[Action]:
     """Return the action that plays the sequence; none if a pose cannot be reached in its duration."""
-    poses, loop = memory.poses, memory.choices.loop and len(sides) < 2
-    if not poses:
+    side, loop = intent.side, memory.choices.loop
+    if not memory.poses:
         return memory.refuse(CONTROL, NONE)
-    if unreachable(memory, world, sides, CONTROL):
+    if unreachable(memory, world, (side,), CONTROL):
         return []
-    if sides == ("hw",) and memory.rehearsed != _rehearsal(memory, world):
+    if side == "hw" and memory.rehearsed != _rehearsal(memory, world):
         return memory.refuse(CONTROL, "off.not_rehearsed")
-    limits = timing.limits_of(world)
-    starts = [found for side in sides if (found := commanded(world, STARTS[side])) is not None]
-    start = max(starts, key=lambda arms: timing.way(arms, poses[0]), default=timing.HOME)
+    limits, start = timing.limits_of(world), commanded(world, STARTS[side]) or timing.HOME
     if _refuse_short(memory, start, limits, loop=loop):
         return []
-    request = _play(poses, sides, start, limits, loop=loop)
-    begun = begin(memory, world, structs.replace(request, lead_s=lead_s), CONTROL)
-    memory.begun = (memory.numbers, _rehearsal(memory, world)) if sides == ("sim",) else (0, ())
+    begun = begin(memory, world, _play(memory.poses, side, start, limits, loop=loop), CONTROL)
+    memory.begun = (memory.numbers, _rehearsal(memory, world)) if side == "sim" else (0, ())
     return begun
 
 
 def _play(
-    poses: tuple[SavedPose, ...], sides: tuple[str, ...], start: ArmAngles, limits: LimitsData, *, loop: bool
+    poses: tuple[SavedPose, ...], side: str, start: ArmAngles, limits: LimitsData, *, loop: bool
 ) -> Play:
     """Return the play of poses whose first one begins at `start`."""
     steps = tuple(timing.timed(poses, start, limits))
     if not loop:
-        return Play(NEW, sides, None, steps)
+        return Play(NEW, (side,), None, steps)
+    last = ArmAngles(*poses[-1].arms)
     holds = len(poses) > 1 and timing.way(ArmAngles(*poses[-2].arms), poses[-1]) < timing.SAME_DEG
-    again_s = poses[-1].duration_s if holds else 0.0
-    return Play(
-        NEW, sides, None, steps, tuple(timing.timed(poses, ArmAngles(*poses[-1].arms), limits, again_s))
-    )
+    again = timing.timed(poses, last, limits, poses[-1].duration_s if holds else 0.0)
+    return Play(NEW, (side,), None, steps, tuple(again))
 
 
 def _refuse_short(memory: Memory, start: ArmAngles, limits: LimitsData, *, loop: bool) -> bool:
@@ -243,8 +238,6 @@ def _save(memory: Memory, world: World, intent: intents.SaveSequence) -> list[Ac
     """Return the action that writes the sequence; in files it begins at home."""
     if not memory.poses:
         return memory.refuse(CONTROL, NONE)
-    if not intent.file.name:
-        return memory.refuse(CONTROL, "cannot.file")
     limits, loop = timing.limits_of(world), intent.program and memory.choices.loop
     if _refuse_short(memory, timing.HOME, limits, loop=loop):
         return []
@@ -265,7 +258,7 @@ def choreography_of(poses: tuple[SavedPose, ...], limits: LimitsData) -> str:
 def program_of(memory: Memory, world: World, limits: LimitsData) -> str:
     """Return the sequence as a program for the simulation that begins at home."""
     texts, poses = memory.choices.texts, memory.poses
-    play = _play(poses, ("sim",), timing.HOME, limits, loop=memory.choices.loop)
+    play = _play(poses, "sim", timing.HOME, limits, loop=memory.choices.loop)
     lines = [
         f"robot = twin.sim  # {texts('sequence.program_side')}",
         f"robot.make_ready()  # {texts('sequence.program_ready')}",
@@ -315,9 +308,9 @@ def _read(steps: list[tuple[str, Step]], limits: LimitsData) -> tuple[SavedPose,
 
 HANDLES: Handles = {
     intents.AddPose: _add,
-    **dict.fromkeys((MovePose, DuplicatePose, SetDuration, RenamePose), edit),
+    **dict.fromkeys((MovePose, DuplicatePose, SetDuration, RenamePose, intents.DeletePose), edit),
     intents.UndoSequence: undo,
-    intents.PlaySequence: lambda memory, world, intent: play(memory, world, (intent.side,)),
+    intents.PlaySequence: play,
     intents.SaveSequence: _save,
     intents.OpenSequence: _open,
 }

@@ -15,15 +15,14 @@ from gui.console.state import (
     leases,
     missions,
     pills,
-    poses,
     refusals,
     sending,
     sequence,
 )
 from gui.console.state.actions import Action, Outcome
 from gui.console.state.intents import Choose, Intent, WindowPage
-from gui.console.state.memory import Handles, Memory
-from gui.console.state.saved import Choices, Remembered, Saved, changed, choices_from
+from gui.console.state.memory import Handles, Memory, pass_on
+from gui.console.state.saved import Choices, Saved, changed, remembered
 from gui.console.state.views import HistoryRowView, View
 from gui.console.state.world import World
 
@@ -39,7 +38,7 @@ def choose(memory: Memory, world: World, intent: Choose) -> list[Action]:
 
 TOPICS = (
     *(arms, class_page, commands, connecting, gestures, leases),
-    *(history, poses, refusals, sending, sequence),
+    *(refusals, sending, sequence),
 )
 HANDLES: Handles = {
     Choose: choose,
@@ -52,7 +51,7 @@ class State:
 
     def __init__(self, saved: Saved = DEFAULTS) -> None:
         """Begin with saved choices."""
-        self._memory = Memory(choices_from(saved), saved.poses)
+        self._memory = Memory(Choices(**remembered(saved)), saved.poses)
         self._guide = missions.Guide(saved.guided)
         self._handles: Handles = {
             **HANDLES,
@@ -62,7 +61,7 @@ class State:
     @property
     def saved(self) -> Saved:
         """The choices for the next window."""
-        kept = {name: getattr(self._memory.choices, name) for name in Remembered.__struct_fields__}
+        kept = remembered(self._memory.choices)
         return Saved(**kept, poses=self._memory.poses, guided=self._guide.done)
 
     @property
@@ -85,7 +84,6 @@ class State:
             arms=arms.view(memory, world),
             sending=sending.view(memory, world),
             commands=commands.view(memory),
-            poses=poses.view(memory, world),
             gestures=gestures.view(memory, world),
             sequence=sequence.view(memory, world),
             eyes=eyes.view(memory, world),
@@ -120,13 +118,13 @@ class State:
         memory = self._memory
         if memory.choices.page is WindowPage.CLASS and isinstance(intent, intents.SendHead | intents.Undo):
             return []  # ignore their keys here, because their controls are on the other page
-        before, handle = memory.choices, self._handles[type(intent)]
+        before, handle = memory.choices, self._handles.get(type(intent), pass_on)
         actions = handle(memory, world, intent)  # type: ignore[arg-type]  # it is of that class
         return [*eyes.changes(before, memory.choices), *actions]
 
     def leave(self) -> None:
-        """Forget leases and unfinished requests, because the session of this seat was closed."""
-        self._memory.standings, self._memory.lease_notice = {}, None
+        """Forget leases, unfinished requests and a held button, because the session of this seat was closed."""
+        self._memory.standings, self._memory.lease_notice, self._memory.held_row = {}, None, None
         self._memory.mark_dropped()
 
     def report(self, outcome: Outcome) -> None:

@@ -235,19 +235,6 @@ class CommandsView:
 
 
 @dataclass(frozen=True)
-class PosesView:
-    """Saved poses, as the page lists them."""
-
-    names: tuple[str, ...]
-    go: ButtonView
-    """the button's intent has no name: the widget adds the name of the selected pose"""
-    save: ButtonView
-    delete: ButtonView
-    play: ButtonView
-    playing: str = ""
-
-
-@dataclass(frozen=True)
 class GesturesView:
     """Gestures, and the program that follows a face."""
 
@@ -283,6 +270,7 @@ class SequenceView:
 
     cards: tuple[CardView, ...]
     add: ButtonView
+    """the button's intent has no name: the page adds the text of its field"""
     undo: ButtonView
     play: ButtonView
     hardware: ButtonView
@@ -441,7 +429,6 @@ class View:
     arms: ArmsView
     sending: SendingView
     commands: CommandsView
-    poses: PosesView
     gestures: GesturesView
     sequence: SequenceView
     eyes: tuple[EyeView, ...]

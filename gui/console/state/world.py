@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import datetime as dt
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 
+from beatrix_zenoh.account import Account
 from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.client.degrees import ArmAngles, Reading
 from beatrix_zenoh.client.degrees import Path as MotionPath
 from beatrix_zenoh.client.lesson_reports import Row
-from beatrix_zenoh.contract._generated.messages import LimitInfo
+from beatrix_zenoh.contract._generated.messages import Fault, LimitInfo, Status
 from beatrix_zenoh.contract.names import TEACHER
 
 FURTHEST_DEG = 1e4
@@ -74,19 +76,6 @@ class Trouble:
     """last lines of its output, or the error of the system, in English"""
     slots: Mapping[str, str] = field(default_factory=dict)
     """further slots of the text"""
-
-
-@dataclass(frozen=True)
-class OwnAccount:
-    """The account of the window."""
-
-    name: str
-    class_name: str
-    expires: str
-    """last day of its certificate, as 2027-07-31"""
-    expired: bool
-    expiring: bool = False
-    """whether `beatrix classroom init` would renew it"""
 
 
 @dataclass(frozen=True)
@@ -162,7 +151,7 @@ class World:
     """whether a program of the hardware of this window is running"""
     ports: tuple[UsbPort, ...] | None = None
     """serial ports of this computer, when the user has asked for them; None: not known yet"""
-    account: OwnAccount | None = None
+    account: Account | None = None
     """None: the window has no account"""
     choosing: bool = False
     """whether another router or account is being checked"""
@@ -185,10 +174,6 @@ class World:
     """limits that the robot reports; None: unknown, so the defaults are shown"""
     seats: tuple[str, ...] = ()
     """seats that are connected to the router"""
-    pupils: Mapping[str, str] = field(default_factory=dict)
-    """for the teacher of a class: seats that have the name of a pupil, and the texts that show it"""
-    class_robots: tuple[str, ...] = ()
-    """for the teacher of a class: the names of its robots; empty: unknown"""
     robots: tuple[RobotState, ...] = ()
     """all robots online, while the page of the class is shown"""
     reports: tuple[Row, ...] | None = None
@@ -203,6 +188,15 @@ class World:
         """Whether this window has the teacher's seat."""
         return self.seat == TEACHER
 
+    @property
+    def today(self) -> dt.date:
+        """The present day in UTC, as in certificates."""
+        return dt.datetime.fromtimestamp(self.wall_s, dt.UTC).date()
+
+    def shown(self, seat: str) -> str:
+        """Return a seat, for the teacher of a class with the name of its pupil."""
+        return seat if self.account is None else self.account.shown(seat)
+
     def side(self, side: str) -> RobotState:
         """Return the state of `sim` or `hw`."""
         return self.sim if side == "sim" else self.hw
@@ -211,6 +205,13 @@ class World:
 def online(world: World, side: str) -> bool:
     """Return whether a request can reach a robot: there is a router, and the robot's token."""
     return world.phase is LinkPhase.ONLINE and world.side(side).presence is not Presence.ABSENT
+
+
+def fault_of(status: Status) -> Fault:
+    """Return the fault of a robot; BOARD_LOST if there is none and the board is not connected."""
+    if status.fault is Fault.NONE and not status.board.connected:
+        return Fault.BOARD_LOST
+    return status.fault
 
 
 def silent(robot: RobotState) -> bool:

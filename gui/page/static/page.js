@@ -12,13 +12,12 @@ const ROTATIONS = { yaw: [1, -1], pitch: [-1, 1], roll: [-1, 1] };
 const ARMS = ["short", "middle", "long"];
 const COLUMNS = ["robot", "side", "state", "driver", "turn", "waiting", "rate", "age", "remarks"];
 const KEYS = { ArrowLeft: "yaw-plus", ArrowRight: "yaw-minus", ArrowUp: "pitch-minus", ArrowDown: "pitch-plus" };
-const WATCHERS = ["ChooseRobot", "DismissNotice", "DismissRefusal", "EmergencyStop", "SavePose", "DeletePose", "SetDuration"];
+const WATCHERS = ["ChooseRobot", "DismissNotice", "DismissRefusal", "EmergencyStop", "AddPose", "DeletePose", "SetDuration"];
 
 const byId = (id) => document.getElementById(id);
 const token = document.querySelector("meta[name=token]").content;
 const view = { texts: {}, you: {}, robot: "" };
 let held = null; // the button that is held
-let press = 0;
 let aimed = 0; // time (ms) of the last move of a slider
 
 const text = (key, values = {}) => (view.texts[key] ?? "").replace(/\{(\w+)\}/g, (_, name) => values[name]);
@@ -115,7 +114,7 @@ const SHOW = {
     for (const [name, button] of Object.entries(commands.buttons)) if (byId(name)) bind(byId(name), button);
     showRefusal("refusal-commands", commands.refusal);
   },
-  poses: showPoses,
+  sequence: showSequence,
   history: (rows) => byId("history").replaceChildren(...rows.map(historyRow)),
   class: (rows) => {
     const cells = (row) => row.cells.map((cell) => make("td", cell));
@@ -170,7 +169,7 @@ function showRobots() {
 }
 
 function showYou(you) {
-  if (held && (!you.drives || you.over >= press)) releaseButton();
+  if (held && !you.drives) releaseButton();
   set(byId("you"), you.text);
   set(byId("drive"), text(you.drives ? "page.leave" : "page.drive"));
   byId("drive").title = text(you.drives ? "page.leave_tip" : "page.drive_tip");
@@ -241,16 +240,23 @@ function showSending(sending) {
   for (const name of ["send_now", "change", "abort"]) bind(byId(name), sending[name]);
 }
 
-function showPoses(poses) {
+function showSequence({ cards, add, play, hardware }) {
   const list = byId("pose");
   const chosen = list.value;
-  list.replaceChildren(...poses.names.map((name) => new Option(name, name)));
-  if (!poses.names.length) list.append(new Option(text("label.poses_empty"), ""));
-  if (poses.names.includes(chosen)) list.value = chosen;
-  for (const name of ["go", "delete"]) bind(byId(name), poses[name], () => ({ name: list.value }));
-  bind(byId("save"), poses.save, () => ({ name: byId("pose-name").value }));
-  bind(byId("play"), poses.play);
-  set(byId("playing"), poses.playing);
+  list.replaceChildren(...cards.map((card) => new Option(card.name, card.name)));
+  if (!cards.length) list.append(new Option(text("label.poses_empty"), ""));
+  if (cards.some((card) => card.name === chosen)) list.value = chosen;
+  const own = (name, intent) => ({ text: text(`page.${name}`), tooltip: text(`page.${name}_tip`), intent, enabled: cards.length > 0 });
+  bind(byId("delete"), own("delete", { do: "DeletePose" }), () => ({ name: list.value }));
+  bind(byId("go"), own("go", { do: "SendHead" })).onclick = () => {
+    const { head } = cards.find((card) => card.name === list.value);
+    if (!head) return; // no head can have this pose
+    send({ do: "AimHead", ...head });
+    send({ do: "SendHead" });
+  };
+  bind(byId("add"), add, () => ({ name: byId("pose-name").value }));
+  bind(byId("play"), play);
+  bind(byId("hardware"), hardware);
 }
 
 function historyRow(row) {
@@ -286,13 +292,12 @@ function showStop(sent) {
 // -- holding buttons ----------------------------------------------------------------------------------
 
 function beat() {
-  if (held) send({ do: "hold", press, part: held.dataset.part, sign: Number(held.dataset.sign) });
+  if (held) send({ do: "HoldArm", arm: held.dataset.part, sign: Number(held.dataset.sign) });
   else if (view.you.drives) send({ do: "beat" });
 }
 
 function pressButton(button) {
   releaseButton();
-  press += 1;
   held = button;
   beat();
   if (view.you.drives) button.classList.add("held");
@@ -303,7 +308,7 @@ function releaseButton() {
   if (!held) return;
   held.classList.remove("held");
   held = null;
-  send({ do: "release", press });
+  send({ do: "ReleaseArm" });
 }
 
 function hide() {

@@ -6,7 +6,7 @@ from PyQt5.QtCore import QSignalBlocker, Qt, pyqtSignal
 from PyQt5.QtGui import QColor, QFontDatabase, QGuiApplication
 from PyQt5.QtWidgets import QFileDialog, QListWidget, QListWidgetItem, QSizePolicy, QWidget
 
-from gui.console.state.history import SaveProgram
+from gui.console.state.actions import NEW, WriteFile
 from gui.console.state.intents import Repeat, Theme
 from gui.console.state.views import CodeLine, CodeView, HistoryRowView
 from gui.console.texts import Texts
@@ -187,4 +187,6 @@ class CodePanel(FilePanel):
 
     def _choose_file(self) -> None:
         save = QFileDialog.AcceptMode.AcceptSave
-        self.choose_file(self._texts("code.save_name"), save, "py", SaveProgram)
+        self.choose_file(
+            self._texts("code.save_name"), save, "py", lambda file: WriteFile(NEW, file, self._view.text)
+        )

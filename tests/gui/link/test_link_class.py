@@ -60,7 +60,7 @@ def test_the_window_of_a_class_mutes_the_seat_of_a_named_pupil(tmp_path: Path) -
                 linked.do(WatchClass(on=True))
                 linked.until(lambda world: world.seats == ("ana", "teacher"), "the seats are listed")
                 linked.until(lambda world: len(world.robots) == 1, "the robot is listed")
-                assert linked.world.pupils == {"ana": "Ána Ruiz (ana)"}
+                assert linked.world.shown("ana") == "Ána Ruiz (ana)"
                 (seat,) = page_seats(linked.world)
                 linked.do(Govern(1, LeaseAction.MUTE, seat=seat))
                 assert linked.end_of(1).accepted

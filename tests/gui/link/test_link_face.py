@@ -13,7 +13,7 @@ from robots import END_S, Stage
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from gui.console.link.programs import SHIPPED
-from gui.console.state.actions import CopyProgram, EndFollowing, FollowFace, Play, Send, SendStop
+from gui.console.state.actions import EndFollowing, FollowFace, Play, Send, SendStop, WriteFile
 
 START_S = 60.0
 TURNS = """
@@ -62,12 +62,12 @@ def test_the_program_is_copied_once_and_then_it_is_the_one_that_runs(linked: Lin
         own,
         False,
     )
-    linked.do(CopyProgram(1, own))
+    linked.do(WriteFile(1, own, SHIPPED))
     assert linked.end_of(1).accepted
     assert own.read_text(encoding="utf-8") == SHIPPED.read_text(encoding="utf-8")
     assert linked.world.face.own
     own.write_text(TURNS, encoding="utf-8")
-    linked.do(CopyProgram(2, own))
+    linked.do(WriteFile(2, own, SHIPPED))
     assert linked.end_of(2).accepted
     assert own.read_text(encoding="utf-8") == TURNS
     turning(linked, 3)

@@ -189,10 +189,11 @@ def test_stop_ends_a_choreography_of_both_robots(linked: Linked) -> None:
 
 
 def test_a_file_is_played_or_refused_with_the_line_of_the_error(linked: Linked, tmp_path: Path) -> None:
-    path, wrong = tmp_path / "nod.csv", tmp_path / "wrong.csv"
-    path.write_text("t_s,yaw_deg,pitch_deg,roll_deg\n0,0,0,0\n0.5,6,0,0\n1,6,0,0\n", encoding="utf-8")
+    nod, wrong, path = tmp_path / "nod.csv", tmp_path / "wrong.csv", tmp_path / "path.csv"
+    nod.write_text("t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,0,0,0,30\n0.5,6,0,0,\n", encoding="utf-8")
     wrong.write_text("t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,0,80,0,30\n", encoding="utf-8")
-    linked.do(Play(1, ("sim",), path))
+    path.write_text("t_s,yaw_deg,pitch_deg,roll_deg\n0,0,0,0\n1,6,0,0\n", encoding="utf-8")
+    linked.do(Play(1, ("sim",), nod))
     assert linked.world.playing == "nod"
     assert linked.end_of(1, "sim").accepted
     assert short(linked.world, "sim") == pytest.approx(6, abs=0.2)
@@ -202,3 +203,5 @@ def test_a_file_is_played_or_refused_with_the_line_of_the_error(linked: Linked, 
     assert "line 2" in end.message
     linked.do(Play(3, BOTH, tmp_path / "none.csv"))
     assert linked.end_of(3).slots == {"file": str(tmp_path / "none.csv")}
+    linked.do(Play(4, BOTH, path))
+    assert linked.end_of(4).key == "cannot.path"
