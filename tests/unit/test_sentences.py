@@ -1,10 +1,9 @@
-"""Sentences: every language has every entry with the same numbers, made from reason and detail only."""
+"""Sentences: every language has every entry with the same fields, made from reason and detail only."""
 
 from __future__ import annotations
 
 import itertools
 import math
-import re
 import string
 from collections import Counter
 
@@ -24,8 +23,6 @@ from gui.console import texts
 
 LANGUAGES = {code: texts.load(code)[1] for code in texts.LANGUAGES}
 RAD = math.radians
-COMMANDS = re.compile(r"`[^`]*`")
-"""Commands to type, which window and page do not show."""
 HERE = Vector3(RAD(10), RAD(-20), RAD(30.25))
 
 
@@ -163,12 +160,6 @@ def key_of(refusal: BeatrixError) -> tuple[Reason, Limit | None, str]:
     return refusal.reason, detail.limit, sentences.case_of(refusal.reason, detail)
 
 
-def numbers(text: str) -> list[float]:
-    """Return the numbers of a sentence in any language, in ascending order."""
-    plain = text.replace(texts.MINUS, "-")
-    return sorted(float(found.replace(",", ".")) for found in re.findall(r"-?\d+(?:[.,]\d+)?", plain))
-
-
 def fields(template: str) -> set[str]:
     return {name for _, name, _, _ in string.Formatter().parse(template) if name}
 
@@ -187,16 +178,6 @@ def test_every_language_has_every_sentence_with_the_same_fields(language: str) -
         assert fields(getattr(other, name)) == fields(getattr(english, name)), name
     assert set(other.arms) == set(english.arms) == set(ARMS)
     assert set(other.commands) == set(english.commands)
-
-
-@pytest.mark.parametrize("language", LANGUAGES)
-def test_sentences_of_every_language_contain_the_same_numbers(language: str) -> None:
-    for refusal in REFUSALS:
-        text = sentences.render(refusal.reason, refusal.detail, LANGUAGES[language])
-        assert numbers(text) == numbers(COMMANDS.sub("", refusal.message)), key_of(refusal)
-        assert text[0].isupper() or text[0] in "'„a", text
-        assert text.endswith("."), text
-        assert "{" not in text
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
