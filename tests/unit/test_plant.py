@@ -1,4 +1,4 @@
-""""""
+"""The plant: accuracy, lost steps, another assembly, sleep; and the set points of its motors."""
 
 from __future__ import annotations
 
