@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 from avr.mega import MegaPort
 from firmware_host import ROOT, Core, Rig
+from text_port_programs import Program
 
 from beatrix_zenoh.board.virtual import Firmware
 
@@ -77,3 +78,15 @@ def rig() -> Rig:
 def ready() -> Rig:
     """A board enabled and calibrated."""
     return Rig().ready()
+
+
+@pytest.fixture
+def program() -> Program:
+    """A program of 2023 at a board of its own, which may move."""
+    return Program().ready()
+
+
+@pytest.fixture
+def framed() -> Program:
+    """A program of 2023 behind a host, at a board that may move."""
+    return Program(framed=True).ready()
