@@ -22,12 +22,12 @@ def same(case: str, text: str) -> None:
     section, name = case.split(".", 1)
     if os.environ.get("GOLDEN") == "write":
         write(section, name, text)
-    assert text == entries()[section][name], case
+    assert text == texts()[section][name], case
 
 
 @cache
-def entries() -> dict[str, dict[str, str]]:
-    """Return the entries of each section; read once, because reading takes 10 ms."""
+def texts() -> dict[str, dict[str, str]]:
+    """Return the texts of each section; read once, because reading takes 10 ms."""
     return tomllib.loads(FILE.read_text(encoding="utf-8"))
 
 
@@ -46,4 +46,4 @@ def write(section: str, name: str, text: str) -> None:
                 for key, value in sorted(entries.items())
             )
             file.write(f"\n[{json.dumps(title)}]\n{''.join(lines)}")
-    entries.cache_clear()
+    texts.cache_clear()
