@@ -17,7 +17,7 @@ from beatrix_zenoh.board.virtual import Firmware
 
 Build = Callable[..., Path]
 ARDUINO = Path("/usr/share/arduino/hardware/arduino/avr")
-PACKAGES = {"clang++-14": "clang-14 lld-14 libclang-rt-14-dev", "g++": "g++", "avr-g++": "gcc-avr avr-libc"}
+PACKAGES = {"clang++-14": "clang-14 lld-14 libclang-rt-14-dev", "avr-g++": "gcc-avr avr-libc"}
 
 
 @pytest.hookimpl(tryfirst=True)  # this runs before the hook for all tests, which may remove the mark
