@@ -6,7 +6,6 @@ import ast
 import re
 import subprocess
 import sys
-import tomllib
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -23,8 +22,6 @@ FUNCTION_MAX = 50
 """Largest number of lines of a function, from `def` to its end, with its docstring."""
 METHODS_MAX = 15
 """Largest number of methods of a class of the node."""
-HOMES = {"mujoco": "sim_node", "serial": "hw_node", "PyQt5": "gui"}
-"""Libraries that all modules of one package may import; others may be imported by one module of beatrix_zenoh."""
 BUILT = {"_generated", "build", "dist", "demo-out"}
 """Folders with generated files only."""
 
@@ -112,19 +109,6 @@ def test_the_constraints_contain_no_urls() -> None:
     text = (ROOT / "constraints.txt").read_text(encoding="utf-8")
     assert "://" not in text
     assert " @ " not in text
-
-
-def test_every_package_has_import_contracts() -> None:
-    linter = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"]
-    present = {name for name in house.PACKAGES if (ROOT / name).is_dir()}
-    assert set(linter["root_packages"]) == present, "name the package in root_packages, in pyproject.toml"
-    for contract in linter["contracts"]:
-        of_packages = not any("." in module for module in contract.get("source_modules", []))
-        if contract["type"] == "forbidden" and of_packages:
-            home = {HOMES[library] for library in contract["forbidden_modules"] if library in HOMES}
-            assert set(contract["source_modules"]) == present - home, (
-                f"name the package in source_modules of the contract '{contract['name']}', in pyproject.toml"
-            )
 
 
 @pytest.fixture(scope="module")

@@ -33,13 +33,6 @@ def make_move(firmware: Firmware, target: tuple[int, int, int], motion: int = 1)
     firmware.receive(encode(FrameType.MOVE, 3, Move(motion, target, SPEED).pack()))
 
 
-def test_a_board_sends_nothing_before_the_first_frame() -> None:
-    board = VirtualBoard(Firmware(boot=7, name="bea1"))
-    board.advance(5000)
-    assert board.read(0) == b""
-    board.close()
-
-
 def test_close_wakes_a_reader_and_rejects_writes(board: VirtualBoard) -> None:
     board.read(0)
     got: list[bytes] = []
@@ -57,18 +50,6 @@ def test_unread_bytes_are_limited(board: VirtualBoard) -> None:
         board.advance(1000)
         board.write(PING)
     assert len(board.read(0)) == virtual._UNREAD_MAX
-
-
-def test_a_restored_board_continues_like_the_original() -> None:
-    robot, preview = Firmware(boot=3, name="bea1"), Firmware()
-    make_move(robot, (300, -200, 50))
-    robot.tick(200)
-    robot.transmit()
-    preview.restore(robot.snapshot())
-    robot.tick(400)
-    preview.tick(400)
-    assert preview.steps() == robot.steps()
-    assert preview.transmit() == robot.transmit()
 
 
 def test_the_motors_of_one_long_call_are_those_of_many_short_ones() -> None:
