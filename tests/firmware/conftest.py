@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from avr.mega import MegaPort
+from avr.mega import Mega, MegaPort
 from firmware_host import ROOT, Core, Rig
 from text_port_programs import Program
 
@@ -90,3 +90,11 @@ def program() -> Program:
 def framed() -> Program:
     """A program of 2023 behind a host, at a board that may move."""
     return Program(framed=True).ready()
+
+
+@pytest.fixture
+def mega() -> Iterator[Mega]:
+    """A Mega enabled and calibrated, whose pins are checked at the end of the test."""
+    with Mega() as board:
+        board.ready()
+        yield board

@@ -29,33 +29,31 @@ def ready(request: pytest.FixtureRequest) -> Iterator[Mega]:
         assert [name for name, cycles in longest.items() if cycles > BUDGETS[name]] == [], longest
 
 
-def test_reported_positions_equal_the_steps_on_the_pins() -> None:
+def test_reported_positions_equal_the_steps_on_the_pins(mega: Mega) -> None:
     chance = random.Random(5)
-    with Mega() as mega:
-        mega.ready()
-        origin = (0, 0, 0)
-        for _ in range(25):
-            around = chance.randint(-300, 300)
-            target = tuple(around + chance.randint(-150, 150) for _ in range(3))
-            mega.move(target, chance.choice([SPEED_MAX, 1400]), straight=chance.random() < 0.5)  # type: ignore[arg-type]
-            mega.tick(chance.randint(0, 400))
-            match chance.randrange(8):
-                case 0:
-                    mega.ask(FrameType.STOP)
-                case 1:
-                    mega.ask(FrameType.EMERGENCY_STOP)
-                case 2:
-                    mega.enable(0)
-            if BoardState.ENABLED not in mega.state:
-                mega.settle()
-                counted = tuple(p + o for p, o in zip(mega.last.position, origin, strict=True))
-                assert counted == mega.steps
-                mega.ask(FrameType.RESET)
-                mega.ready()
-                origin = mega.steps
-        mega.run()
-        mega.settle()
-        assert tuple(p + o for p, o in zip(mega.last.position, origin, strict=True)) == mega.steps
+    origin = (0, 0, 0)
+    for _ in range(25):
+        around = chance.randint(-300, 300)
+        target = tuple(around + chance.randint(-150, 150) for _ in range(3))
+        mega.move(target, chance.choice([SPEED_MAX, 1400]), straight=chance.random() < 0.5)  # type: ignore[arg-type]
+        mega.tick(chance.randint(0, 400))
+        match chance.randrange(8):
+            case 0:
+                mega.ask(FrameType.STOP)
+            case 1:
+                mega.ask(FrameType.EMERGENCY_STOP)
+            case 2:
+                mega.enable(0)
+        if BoardState.ENABLED not in mega.state:
+            mega.settle()
+            counted = tuple(p + o for p, o in zip(mega.last.position, origin, strict=True))
+            assert counted == mega.steps
+            mega.ask(FrameType.RESET)
+            mega.ready()
+            origin = mega.steps
+    mega.run()
+    mega.settle()
+    assert tuple(p + o for p, o in zip(mega.last.position, origin, strict=True)) == mega.steps
 
 
 def test_in_motion_the_count_is_at_most_two_milliseconds_ahead_of_the_pins(ready: Mega) -> None:

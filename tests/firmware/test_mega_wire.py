@@ -10,15 +10,13 @@ from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.contract._generated.serial import BoardOutcome, BoardState, FrameType, Move
 
 
-def test_a_full_serial_line_loses_no_request_and_no_reply() -> None:
-    with Mega() as mega:
-        mega.ready()
-        mega.move((600, 600, 600))
-        burst = b"".join(encode(FrameType.HELLO, seq, b"") for seq in range(1, 30))
-        mega.others.clear()
-        mega.avr.send(burst)
-        mega.tick(100)
-        assert [frame.seq for frame in mega.others] == list(range(1, 30))
+def test_a_full_serial_line_loses_no_request_and_no_reply(mega: Mega) -> None:
+    mega.move((600, 600, 600))
+    burst = b"".join(encode(FrameType.HELLO, seq, b"") for seq in range(1, 30))
+    mega.others.clear()
+    mega.avr.send(burst)
+    mega.tick(100)
+    assert [frame.seq for frame in mega.others] == list(range(1, 30))
 
 
 SLOW_TO_ANSWER = (b"@GETALLPOS\r", b"@FOO\r", b"@\r", b"@MOVAX 1\r")
@@ -32,22 +30,20 @@ RECOGNISED_MS = 1.5
     ids=lambda value: value.decode().strip() if isinstance(value, bytes) else f"seq {value}",
 )
 def test_an_emergency_stop_behind_a_flood_of_text_takes_effect_at_once_and_is_acknowledged_once(
-    line: bytes, seq: int
+    line: bytes, seq: int, mega: Mega
 ) -> None:
     stop = encode(FrameType.EMERGENCY_STOP, seq, b"")
-    with Mega() as mega:
-        mega.ready()
-        mega.raw(b"@CALNOW\r")
-        mega.move((1500, 1500, 1500))
-        mega.tick(900)
-        mega.others.clear()
-        arrival = mega.avr.send(line * 200 + stop)
-        mega.tick(400)
-        off = int(mega.avr.edges("enable")["cycle"][-1])
-        assert 0 < off - arrival < RECOGNISED_MS * CYCLES_PER_MS
-        acks = [(ack.seq, ack.payload) for ack in mega.others if ack.type == FrameType.EMERGENCY_STOP | 0x80]
-        assert acks == [(seq, b"\0")]
-        assert mega.state == BoardState.EMERGENCY
+    mega.raw(b"@CALNOW\r")
+    mega.move((1500, 1500, 1500))
+    mega.tick(900)
+    mega.others.clear()
+    arrival = mega.avr.send(line * 200 + stop)
+    mega.tick(400)
+    off = int(mega.avr.edges("enable")["cycle"][-1])
+    assert 0 < off - arrival < RECOGNISED_MS * CYCLES_PER_MS
+    acks = [(ack.seq, ack.payload) for ack in mega.others if ack.type == FrameType.EMERGENCY_STOP | 0x80]
+    assert acks == [(seq, b"\0")]
+    assert mega.state == BoardState.EMERGENCY
 
 
 def test_a_stop_behind_a_flood_of_targets_brakes_as_soon_as_without_it() -> None:
@@ -72,13 +68,11 @@ def test_a_stop_behind_a_flood_of_targets_brakes_as_soon_as_without_it() -> None
     assert abs(braking(flood) - braking(b"")) < RECOGNISED_MS * CYCLES_PER_MS
 
 
-def test_requests_before_a_stop_start_no_motion_after_it() -> None:
+def test_requests_before_a_stop_start_no_motion_after_it(mega: Mega) -> None:
     """Moves that wait behind slow lines are handled after the stop frame was carried out."""
     move = encode(FrameType.MOVE, 9, Move(513, (200, 200, 200), (1400, 1400, 1400)).pack())
-    with Mega() as mega:
-        mega.ready()
-        mega.others.clear()
-        mega.avr.send(b"@GETALLPOS\r" * 30 + move + b"@CALNOW\r@MOVRX 5\r" + encode(FrameType.STOP, 5, b""))
-        mega.tick(400)
-        assert mega.steps == (0, 0, 0)
-        assert (4 | 0x80, 5) in [(frame.type, frame.seq) for frame in mega.others]
+    mega.others.clear()
+    mega.avr.send(b"@GETALLPOS\r" * 30 + move + b"@CALNOW\r@MOVRX 5\r" + encode(FrameType.STOP, 5, b""))
+    mega.tick(400)
+    assert mega.steps == (0, 0, 0)
+    assert (4 | 0x80, 5) in [(frame.type, frame.seq) for frame in mega.others]
