@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 
 import pytest
+from firmware_host import Rig
 
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.contract._generated.messages import PreviewReply, Reason
-from beatrix_zenoh.contract._generated.serial import Enable, FrameType, Move, MoveStraight
+from beatrix_zenoh.contract._generated.serial import FrameType, Move, MoveStraight
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
@@ -30,11 +31,8 @@ def move_to(arms: Arms, speed: float = 30.0) -> MoveStraight:
 def ready() -> tuple[Plant, Firmware]:
     """Return a plant and its firmware, with motors on and calibrated."""
     plant, firmware = Plant(), Firmware()
-    firmware.receive(encode(FrameType.ENABLE, 1, Enable(1).pack()))
-    pass_time(plant, firmware, 20)
-    firmware.receive(encode(FrameType.CALIBRATE, 2, b""))
-    pass_time(plant, firmware, 20)
-    firmware.transmit()
+    Rig(firmware).ready()
+    pass_time(plant, firmware, 40)
     return plant, firmware
 
 
