@@ -92,16 +92,11 @@ def test_the_head_is_measured_as_yaw_pitch_roll(plant: Plant) -> None:
     assert plant.gap() == pytest.approx(min(NECK.gaps(TILTED)), abs=math.radians(0.5))
 
 
-def push(plant: Plant, torque: float) -> None:
-    """Apply a torque about the vertical (N m) to the head for 0.3 s, and wait until it rests."""
-    plant.data.body("head").xfrc_applied[5] = torque
+def test_a_push_above_the_motors_torque_loses_multiples_of_four_full_steps(plant: Plant) -> None:
+    plant.data.body("head").xfrc_applied[5] = 3.5  # N m about the vertical
     hold_set_points(plant, HOME, 0.3)
     plant.data.body("head").xfrc_applied[5] = 0.0
     hold_set_points(plant, HOME, 0.5)
-
-
-def test_a_push_above_the_motors_torque_loses_multiples_of_four_full_steps(plant: Plant) -> None:
-    push(plant, 3.5)
     lost = plant.slipped()
     assert all(steps % 4 == 0 and steps < 0 for steps in lost)
     assert not plant.home_assembly_left()

@@ -42,19 +42,15 @@ def pass_time(plant: Plant, firmware: Firmware, ms: int) -> None:
         plant.step(firmware.pulses(), drivers_on=firmware.drivers_on())
 
 
-def copy_of(firmware: Firmware) -> Firmware:
-    other = Firmware()
-    other.restore(firmware.snapshot())
-    return other
-
-
 def preview(move: Move | MoveStraight) -> PreviewReply:
     return simulate_motion(*ready(), move)
 
 
 def test_the_motion_is_the_same_as_its_preview() -> None:
     plant, firmware = ready()
-    seen = simulate_motion(plant.copy(), copy_of(firmware), move_to(NODDED))
+    copy = Firmware()
+    copy.restore(firmware.snapshot())
+    seen = simulate_motion(plant.copy(), copy, move_to(NODDED))
     firmware.receive(encode(FrameType.MOVE_STRAIGHT, 3, move_to(NODDED).pack()))
     for arms, head in zip(seen.arms, seen.head, strict=True):
         assert plant.arms() == pytest.approx(tuple3(arms), abs=1e-9)
