@@ -50,15 +50,16 @@ def pose(
     return Refused(reason, detail=detail)
 
 
-def speed(value: float, other: float) -> Refused:
+def speed(value: float, high: float, arms: list[str], other: float | None = None, field: str = "") -> Refused:
     detail = Detail(
         limit=Limit.SPEED,
         value=value,
         low=RAD(0.0215),
-        high=RAD(90),
+        high=high,
         unit="rad/s",
-        arms=["short", "long"],
-        alternative=Alternative(speed=Vector3(other, other, other)),
+        arms=arms,
+        field=field,
+        alternative=None if other is None else Alternative(speed=Vector3(other, other, other)),
     )
     return Refused(Reason.SPEED_LIMIT, detail=detail)
 
@@ -119,21 +120,10 @@ REFUSALS: list[BeatrixError] = [
         for at_goal in (True, False)
     ),
     *(pose(Reason.YAW_LIMIT, Limit.YAW, RAD(-200), at_goal=at_goal) for at_goal in (True, False)),
-    speed(RAD(0.01), RAD(0.022)),
-    speed(RAD(100), RAD(90)),
+    speed(RAD(0.01), RAD(90), ["short", "long"], RAD(0.022)),
+    speed(RAD(100), RAD(90), ["short", "long"], RAD(90)),
     *(
-        Refused(
-            Reason.SPEED_LIMIT,
-            detail=Detail(
-                limit=Limit.SPEED,
-                value=RAD(60),
-                low=RAD(0.0215),
-                high=RAD(31),
-                unit="rad/s",
-                arms=["long"],
-                field=field,
-            ),
-        )
+        speed(RAD(60), RAD(31), ["long"], field=field)
         for reason, _, field in sentences.ENGLISH.refusals
         if reason is Reason.SPEED_LIMIT and field not in ("", "low", "high")
     ),
