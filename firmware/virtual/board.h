@@ -1,4 +1,4 @@
-// Virtual board: the C functions that WebAssembly and the host library export.
+// Virtual board: the C functions that WebAssembly exports.
 #ifndef BEATRIX_VIRTUAL_BOARD_H
 #define BEATRIX_VIRTUAL_BOARD_H
 

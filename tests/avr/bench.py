@@ -7,7 +7,7 @@ import os
 import subprocess
 from functools import cache
 from pathlib import Path
-from typing import Final, NamedTuple, Self
+from typing import Final, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,11 +32,12 @@ _PIECE: Final = 16_000_000
 Steps = tuple[int, int, int]
 
 
-class Crashed(Exception):
-    """The program ended or crashed."""
+class Work(ctypes.Structure):
+    """Calls of an interrupt and their cycles, without those of nested interrupts; it changes while the board runs."""
 
-
-class _Work(ctypes.Structure):
+    longest: int
+    last: int
+    """cycle at which the last call began"""
     _fields_ = (
         ("calls", ctypes.c_uint64),
         ("cycles", ctypes.c_uint64),
@@ -54,24 +55,13 @@ class _Report(ctypes.Structure):
         ("overruns", ctypes.c_uint64),
         ("resets", ctypes.c_uint64),
         ("unread", ctypes.c_uint64),
-        ("work", _Work * 64),
+        ("work", Work * 64),
         ("levels", ctypes.c_uint8 * 7),
     )
 
 
 EDGE: Final = np.dtype([("cycle", "<u8"), ("signal", "u1"), ("level", "u1")], align=True)
 BYTE: Final = np.dtype([("cycle", "<u8"), ("byte", "u1")], align=True)
-
-
-class Work(NamedTuple):
-    """Calls and cycles of an interrupt, without nested interrupts."""
-
-    calls: int
-    cycles: int
-    """Cycles of all calls."""
-    longest: int
-    last: int
-    """Cycle at which the last call began."""
 
 
 @cache
@@ -106,7 +96,7 @@ class Avr:
     """An Arduino Mega with this firmware (.elf or .hex), after reset. Use it in `with`.
 
     Times are cycles of 62.5 ns since power-on, or milliseconds of 16 000 cycles. `eeprom` is the initial content of the
-    EEPROM, by default erased. Methods that run the program raise Crashed if it ends or crashes.
+    EEPROM, by default erased. Methods that run the program raise AssertionError if it ends or crashes.
     """
 
     def __init__(self, firmware: Path, eeprom: bytes = b"\xff" * EEPROM_SIZE, baud: int = 250_000) -> None:
@@ -143,7 +133,7 @@ class Avr:
         while self.cycle < cycle:
             state = self._c.bench_run(self._board, min(cycle, self.cycle + _PIECE))
             if state in _ENDED_STATES:
-                raise Crashed(f"state {state} at cycle {self.cycle}")
+                raise AssertionError(f"state {state} at cycle {self.cycle}")
 
     def run(self, cycles: int) -> None:
         """Run for this number of cycles."""
@@ -166,10 +156,9 @@ class Avr:
         """Send bytes, and run until the board has received the last one."""
         self.run_until(self.send(data))
 
-    def sent(self, since: int = 0) -> NDArray[np.void]:
-        """Return the bytes from the board, from this index on: fields `cycle` (of the stop bit) and `byte`."""
-        count = int(self._report.sent)
-        return self._copy(self._c.bench_sent(self._board), count, BYTE, since)
+    def sent(self) -> NDArray[np.void]:
+        """Return all bytes from the board: fields `cycle` (of the stop bit) and `byte`."""
+        return copied(self._c.bench_sent(self._board), int(self._report.sent), BYTE)
 
     def receive(self) -> bytes:
         """Return the complete bytes from the board since the last call."""
@@ -193,16 +182,12 @@ class Avr:
 
     def all_edges(self) -> NDArray[np.void]:
         """Return the changes of all wires in order; `signal` is 0 to 2 for step, 3 to 5 for direction, 6 for enable."""
-        return self._copy(self._c.bench_edges(self._board), int(self._report.edges), EDGE)
-
-    def level(self, signal: str, arm: int = 0) -> int:
-        """Return the present level of a wire."""
-        return int(self._report.levels[3 * SIGNALS.index(signal) + arm])
+        return copied(self._c.bench_edges(self._board), int(self._report.edges), EDGE)
 
     @property
     def enabled(self) -> bool:
         """Whether the drivers are on: their wire is low."""
-        return self.level("enable") == 0
+        return int(self._report.levels[6]) == 0
 
     def steps(self, arm: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Return the start cycles of an arm's steps, and their directions, +1 or -1."""
@@ -261,15 +246,13 @@ class Avr:
 
     def work(self, vector: int) -> Work:
         """Return calls and cycles of an interrupt since power-on; see VECTORS."""
-        row = self._report.work[vector]
-        return Work(int(row.calls), int(row.cycles), int(row.longest), int(row.last))
+        found: Work = self._report.work[vector]
+        return found
 
-    def _copy(
-        self, address: int | None, count: int, kind: np.dtype[np.void], since: int = 0
-    ) -> NDArray[np.void]:
-        if count <= since or not address:
-            return np.empty(0, kind)
-        copied: NDArray[np.void] = np.frombuffer(
-            ctypes.string_at(address + since * kind.itemsize, (count - since) * kind.itemsize), kind
-        )
-        return copied
+
+def copied(address: int | None, count: int, kind: np.dtype[np.void]) -> NDArray[np.void]:
+    """Return a copy of an array of the library."""
+    if not count or not address:
+        return np.empty(0, kind)
+    found: NDArray[np.void] = np.frombuffer(ctypes.string_at(address, count * kind.itemsize), kind)
+    return found

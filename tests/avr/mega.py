@@ -8,7 +8,6 @@ from typing import Final, Self
 import numpy as np
 from avr.bench import EEPROM_SIZE, SIGNALS, Avr
 from firmware_host import ROOT, Rig, Steps
-from numpy.typing import NDArray
 
 from beatrix_zenoh.board.link import Decoder
 
@@ -50,42 +49,42 @@ class MegaCore:
         return self.avr.pulses()
 
 
-class MegaPort(MegaCore):
-    """The Mega as a Core for Program: `receive` queues bytes and does not wait.
+class Checked:
+    """A board to use in `with`, which checks its pins and its serial line if the test has passed, and frees it."""
 
-    Use it in `with`: its pins are checked at the end.
-    """
-
-    def __init__(self, firmware: Path = HEX, baud: int = 250_000) -> None:
-        super().__init__(Avr(firmware, baud=baud))
-        self.avr.run_ms(START_MS)
+    avr: Avr
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *rest: object) -> None:
-        close(self.avr, in_order=kind is None)
+        try:
+            if kind is None:
+                assert pin_faults(self.avr) == []
+                assert self.avr.overruns == 0
+        finally:
+            self.avr.close()
+
+
+class MegaPort(Checked, MegaCore):
+    """The Mega as a Core for Program: `receive` queues bytes and does not wait."""
+
+    def __init__(self, firmware: Path = HEX, baud: int = 250_000) -> None:
+        super().__init__(Avr(firmware, baud=baud))
+        self.avr.run_ms(START_MS)
 
     def receive(self, data: bytes) -> None:
         """Queue bytes on the serial line."""
         self.avr.send(data)
 
 
-class Mega(Rig):
-    """Rig on the Mega. Use it in `with`, which checks its pins at the end."""
+class Mega(Checked, Rig):
+    """Rig on the Mega."""
 
-    def __init__(
-        self, firmware: Path = HEX, eeprom: bytes = b"\xff" * EEPROM_SIZE, baud: int = 250_000
-    ) -> None:
-        self.avr = Avr(firmware, eeprom, baud)
+    def __init__(self, firmware: Path = HEX, eeprom: bytes = b"\xff" * EEPROM_SIZE) -> None:
+        self.avr = Avr(firmware, eeprom)
         self.avr.run_ms(START_MS)
         super().__init__(MegaCore(self.avr))
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, kind: type[BaseException] | None, *rest: object) -> None:
-        close(self.avr, in_order=kind is None)
 
     def restart(self, after_cycles: int = 0) -> None:
         """Press reset after this number of cycles; return when the board has started."""
@@ -105,19 +104,11 @@ class Mega(Rig):
         self.tick(20)
 
 
-def close(avr: Avr, *, in_order: bool) -> None:
-    """Free a board; if its test has passed, check its pins and its serial line."""
-    try:
-        if in_order:
-            assert pin_faults(avr) == []
-            assert avr.overruns == 0
-    finally:
-        avr.close()
-
-
 def pin_faults(avr: Avr) -> list[str]:
     """Return messages about pulses that violate the timing of the drivers, and steps while they are off."""
     edges = avr.all_edges()
+    enables = avr.edges("enable")
+    levels = np.concatenate([[1], enables["level"]])  # high before its first change: the drivers are off
     found = []
     for arm in range(3):
         wire = edges[edges["signal"] == arm]["cycle"].astype(np.int64)
@@ -133,14 +124,7 @@ def pin_faults(avr: Avr) -> list[str]:
             behind = turns - steps[np.maximum(after - 1, 0)]
             if ((behind >= 0) & (behind < SETUP_MIN)).any():
                 found.append(f"arm {arm}: {SIGNALS[1]} changed less than 200 ns after a step")
-        if (_levels_at(edges, 6, steps) == 1).any():
+        at = np.searchsorted(enables["cycle"].astype(np.int64), steps, side="right")
+        if (levels[at] == 1).any():
             found.append(f"arm {arm}: a step while the drivers are off")
     return found
-
-
-def _levels_at(edges: NDArray[np.void], signal: int, cycles: NDArray[np.int64]) -> NDArray[np.uint8]:
-    """Return the level of a wire at these times; high before its first change."""
-    changes = edges[edges["signal"] == signal]
-    at = np.searchsorted(changes["cycle"].astype(np.int64), cycles, side="right")
-    levels: NDArray[np.uint8] = np.concatenate([[1], changes["level"]])[at]
-    return levels

@@ -9,14 +9,15 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from avr.mega import MegaPort
+from avr.mega import Mega, MegaPort
 from firmware_host import ROOT, Core, Rig
+from text_port_programs import Program
 
 from beatrix_zenoh.board.virtual import Firmware
 
 Build = Callable[..., Path]
 ARDUINO = Path("/usr/share/arduino/hardware/arduino/avr")
-PACKAGES = {"clang++-14": "clang-14 lld-14 libclang-rt-14-dev", "g++": "g++", "avr-g++": "gcc-avr avr-libc"}
+PACKAGES = {"clang++-14": "clang-14 lld-14 libclang-rt-14-dev", "avr-g++": "gcc-avr avr-libc"}
 
 
 @pytest.hookimpl(tryfirst=True)  # this runs before the hook for all tests, which may remove the mark
@@ -77,3 +78,23 @@ def rig() -> Rig:
 def ready() -> Rig:
     """A board enabled and calibrated."""
     return Rig().ready()
+
+
+@pytest.fixture
+def program() -> Program:
+    """A program of 2023 at a board of its own, which may move."""
+    return Program().ready()
+
+
+@pytest.fixture
+def framed() -> Program:
+    """A program of 2023 behind a host, at a board that may move."""
+    return Program(framed=True).ready()
+
+
+@pytest.fixture
+def mega() -> Iterator[Mega]:
+    """A Mega enabled and calibrated, whose pins are checked at the end of the test."""
+    with Mega() as board:
+        board.ready()
+        yield board

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import ctypes
+import shutil
 import subprocess
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -57,9 +57,10 @@ def test_arms_that_turn_too_far_on_their_path_are_stopped(ready: Rig) -> None:
 
 
 @pytest.fixture(scope="module")
-def probe(build: Callable[..., Path], tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
+def probe(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
     """The core and probe.cpp as a library."""
-    build("host", "g++")
+    if shutil.which("g++") is None:
+        pytest.skip("g++ is not installed: apt-get install g++")
     library = tmp_path_factory.mktemp("probe") / "probe.so"
     core = [CORE / f"{name}.cpp" for name in ("axis", "limits", "motion", "fixed_point")]
     source = Path(__file__).with_name("probe.cpp")

@@ -80,18 +80,14 @@ def pull(_: bytes) -> bytes:
     raise OSError("the cable is out")
 
 
-def interrupt(_: bytes) -> bytes:
-    raise KeyboardInterrupt
+def arriving(number: signal.Signals) -> Fault:
+    """Return a fault: a signal arrives while a message is sent."""
 
+    def raise_signal(data: bytes) -> bytes:
+        signal.raise_signal(number)
+        return data
 
-def kill(data: bytes) -> bytes:
-    signal.raise_signal(signal.SIGTERM)
-    return data
-
-
-def close_window(data: bytes) -> bytes:
-    signal.raise_signal(signal.SIGHUP)
-    return data
+    return raise_signal
 
 
 def change(data: bytes) -> bytes:
@@ -172,7 +168,10 @@ AT_EDGES = [
 """Command, number of the message with it, state of the board if this message fails, whether firmware then starts."""
 TYPICAL = AT_EDGES[1], AT_EDGES[5], AT_EDGES[8]
 """One of each state: untouched, half written, complete."""
-ERROR, INTERRUPT, KILL, HANG_UP = (pull, 1), (interrupt, 130), (kill, 130), (close_window, 130)
+ERROR = (pull, 1)
+INTERRUPT, KILL, HANG_UP = (
+    (arriving(number), 130) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+)
 
 
 @pytest.mark.usefixtures("hangup")

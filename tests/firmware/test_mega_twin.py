@@ -60,27 +60,25 @@ def positions(mega: Mega, arm: int, times: NDArray[np.int64]) -> NDArray[np.int6
 
 
 @pytest.mark.parametrize("seed", [0, 1, *(pytest.param(n, marks=MORE) for n in range(2, 50))])
-def test_mega_and_virtual_board_differ_by_at_most_a_step(seed: int) -> None:
+def test_mega_and_virtual_board_differ_by_at_most_a_step(seed: int, mega: Mega) -> None:
     frames = script(seed)
     firmware = Firmware()
     Rig(firmware).ready()
     planned: list[Steps] = []
-    with Mega() as mega:
-        mega.ready()
-        begin = last_tick(mega)
-        for ms in range(1, LENGTH_MS):
-            firmware.tick(1)
-            planned.append(firmware.steps())
-            if ms in frames:
-                firmware.receive(frames[ms])
-                due = begin + ms * CYCLES_PER_MS + IN_TICK
-                mega.avr.run_until(due - len(frames[ms]) * mega.avr.byte_cycles)
-                mega.avr.deliver(frames[ms])
-        mega.avr.run_until(begin + (LENGTH_MS + AHEAD_MS) * CYCLES_PER_MS)
-        mega.tick(0)
-        assert (mega.avr.work(TICK).last - begin) % CYCLES_PER_MS < 1000  # no tick was late by a millisecond
-        times = begin + (np.arange(1, LENGTH_MS) + AHEAD_MS) * CYCLES_PER_MS
-        for arm in range(3):
-            apart = np.array([steps[arm] for steps in planned]) - positions(mega, arm, times)
-            assert np.abs(apart).max() <= 1
-        assert planned[-1] == mega.steps == mega.last.position
+    begin = last_tick(mega)
+    for ms in range(1, LENGTH_MS):
+        firmware.tick(1)
+        planned.append(firmware.steps())
+        if ms in frames:
+            firmware.receive(frames[ms])
+            due = begin + ms * CYCLES_PER_MS + IN_TICK
+            mega.avr.run_until(due - len(frames[ms]) * mega.avr.byte_cycles)
+            mega.avr.deliver(frames[ms])
+    mega.avr.run_until(begin + (LENGTH_MS + AHEAD_MS) * CYCLES_PER_MS)
+    mega.tick(0)
+    assert (mega.avr.work(TICK).last - begin) % CYCLES_PER_MS < 1000  # no tick was late by a millisecond
+    times = begin + (np.arange(1, LENGTH_MS) + AHEAD_MS) * CYCLES_PER_MS
+    for arm in range(3):
+        apart = np.array([steps[arm] for steps in planned]) - positions(mega, arm, times)
+        assert np.abs(apart).max() <= 1
+    assert planned[-1] == mega.steps == mega.last.position

@@ -38,15 +38,11 @@ class Watched:
     def tick(self, ms: int = 1) -> None:
         """Run ticks of 1 ms, with heartbeats."""
         for _ in range(ms):
-            if self.firmware_tick() % 400 == 0:
+            self.rig.tick()
+            self.path.append(self.firmware.set_points())
+            self.steps.append(self.rig.steps)
+            if len(self.path) % 400 == 0:
                 self.rig.ask(FrameType.PING)
-
-    def firmware_tick(self) -> int:
-        """Run one tick; return the number of ticks so far."""
-        self.rig.tick()
-        self.path.append(self.firmware.set_points())
-        self.steps.append(self.rig.steps)
-        return len(self.path)
 
     def run(self) -> None:
         """Run until the arms rest."""

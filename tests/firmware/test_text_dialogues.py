@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from dialogues import DIALOGUES, Entry, expected_replies, read
 from firmware_host import Core
-from text_port_programs import BYTE_MS, LAST, Program
+from text_port_programs import BYTE_MS, DONE, LAST, Program
 
 
 def played(dialogue: list[Entry], program: Program) -> list[Entry]:
@@ -38,23 +38,20 @@ def test_replies_equal_the_reference_dialogue_and_are_not_later(path: Path, fram
     assert late == []
 
 
-def test_flags_mark_the_last_line_of_an_answer() -> None:
-    program = Program(framed=True).ready()
-    program.flags.clear()
-    program.say("@GETALLPOS", "@GETXPOS", "@COMSTATUS", "@FOO")
-    assert program.flags == [0, 0, 0, LAST, 0, 0, LAST, 0, LAST, LAST]
+def test_flags_mark_the_last_line_of_an_answer(framed: Program) -> None:
+    framed.flags.clear()
+    framed.say("@GETALLPOS", "@GETXPOS", "@COMSTATUS", "@FOO")
+    assert framed.flags == [0, 0, 0, LAST, 0, 0, LAST, 0, LAST, LAST]
 
 
 @pytest.mark.parametrize(
     ("steps", "seconds"),
-    [
-        *[(1, 0.005), (2, 0.068), (7, 0.239), (100, 1.219), (300, 2.38)],
-    ],
+    [(1, 0.005), (2, 0.068), (7, 0.239), (100, 1.219), (300, 2.38)],
 )
 @pytest.mark.parametrize("command", ["@MOVRX", "@MOVAX"])
 def test_a_move_of_one_arm_takes_no_longer_than_in_1_0(command: str, steps: int, seconds: float) -> None:
     program = Program(look_ms=1).ready()
     begin = program.ms
-    assert program.run(f"{command} {steps} 200") == ["ACK\n", "ACK\n"]
+    assert program.run(f"{command} {steps} 200") == DONE
     assert (program.ms - begin) / 1000 <= seconds
     assert program.position == (steps, 0, 0)

@@ -8,14 +8,13 @@ import pytest
 from firmware_host import ARM_SPACING, ARM_TURN, GAP_MIN, Steps, least_gap
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from text_port_programs import Program
+from text_port_programs import DONE, Program
 
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract._generated.serial import FrameType, MoveStraight, WarningCode
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.motion.kinematics import Neck
 
-DONE = ["ACK\n", "ACK\n"]
 NECK, GEAR = Neck(), Gear()
 TILT_GAP_MIN = math.ceil(GEAR.steps_per_turn / 360 * ROBOT.limits.tilt_gap_min)
 TILT_GAP_MAX = math.floor(GEAR.steps_per_turn / 360 * ROBOT.limits.tilt_gap_max)
@@ -35,11 +34,6 @@ def allowed(steps: Steps) -> bool:
         TILT_GAP_MIN <= min(gaps(steps)) <= max(gaps(steps)) <= TILT_GAP_MAX
         and abs(sum(steps)) <= YAW_SUM_MAX
     )
-
-
-@pytest.fixture
-def framed() -> Program:
-    return Program(framed=True).ready()
 
 
 @pytest.mark.parametrize(

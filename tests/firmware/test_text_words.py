@@ -1,4 +1,4 @@
-"""Lines of text: ends, words, arguments, lengths."""
+"""Lines of text: ends, words, arguments, lengths; and their queue, in which STOPALL takes effect at once."""
 
 from __future__ import annotations
 
@@ -8,18 +8,13 @@ import pytest
 from firmware_host import ROOT, Steps
 from hypothesis import given
 from hypothesis import strategies as st
-from text_port_programs import Program
+from text_port_programs import ACK, DONE, NACK, REFUSED, UNKNOWN, Program
 
-ACK, NACK = "ACK\n", "NACK\n"
-DONE, REFUSED, UNKNOWN = [ACK, ACK], [ACK, NACK], [NACK]
+from beatrix_zenoh.contract._generated.serial import BoardOutcome, BoardState
+
 SOURCE = "firmware/beatrix/src/core/text_command.cpp"
 LONG = 400
 """Milliseconds, enough for every motion here."""
-
-
-@pytest.fixture
-def program() -> Program:
-    return Program().ready()
 
 
 @pytest.mark.parametrize("end", [b"\r", b"\n", b"\r\n", b"\n\r", b"\r\r\n\n"])
@@ -95,3 +90,51 @@ def test_any_line_is_answered_at_least_once(line: bytes) -> None:
     program.tick(5)
     assert len(program.new()) >= 1
     assert program.say("@COMSTATUS")[-2:] == DONE
+
+
+# -- the queue --------------------------------------------------------------------------------------
+
+
+def test_every_line_of_a_flood_on_a_full_queue_is_answered(program: Program) -> None:
+    program.send(b"@MOVRX 100\r" + b"@MOVRX 1\r" * 32)
+    for _ in range(50):
+        program.send(b"@GETXPOS\r" * 200)
+    program.send(b"@FOO\r" * 200)
+    program.tick(10_000)
+    assert program.new() == DONE * 33 + REFUSED * 10_000 + UNKNOWN * 200
+
+
+def test_stopall_stops_at_once(framed: Program) -> None:
+    framed.send(b"@MOVRX 1000\r")
+    framed.tick(1000)
+    assert framed.new() == [ACK]
+    at = framed.core.steps()[0]
+    framed.send(b"@STOPALL\r")
+    framed.tick(1)
+    assert BoardState(framed.telemetry[-1].state) & BoardState.STOPPING
+    framed.tick(150)
+    assert framed.new() == [NACK, *DONE]
+    assert framed.core.steps()[0] - at <= 12
+    assert framed.telemetry[-1].outcome == BoardOutcome.STOPPED
+
+
+@pytest.mark.parametrize("ms", [0, 1, 30, 100, 250, 480])
+def test_stopall_at_any_time_leaves_two_replies_for_each_line(program: Program, ms: int) -> None:
+    program.send(b"@MOVRALL 40 -20 9\r")
+    program.tick(ms)
+    program.send(b"@STOPALL\r@STOPALL\r")
+    program.tick(200)
+    answers = program.new()
+    assert answers in (REFUSED + DONE * 2, DONE * 3)
+    assert answers == REFUSED + DONE * 2 or program.position == (40, -20, 9)
+
+
+def test_stopall_cancels_motions_when_every_queue_slot_is_used(program: Program) -> None:
+    program.send(b"@MOVRX 1000\r" + b"@MOVRX 10\r" * 32 + b"@FOO\r@CALX\r" * 40)
+    program.tick(500)
+    program.send(b"@STOPALL\r")
+    program.tick(110)
+    answers = program.new()
+    assert answers[: 2 + 32 * 2] == REFUSED * 33
+    assert len(answers) >= 33 * 2 + 40 * 3 - 40
+    assert program.say("@COMSTATUS") == DONE

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import ctypes
 import random
-import struct
 from pathlib import Path
 from typing import Protocol
 
@@ -44,51 +42,6 @@ class Core(Protocol):
     def transmit(self) -> bytes: ...
     def tick(self, ms: int) -> None: ...
     def steps(self) -> Steps: ...
-
-
-class HostFirmware:
-    """The firmware as a library for this computer; a process can use one at a time, because its state is global."""
-
-    _REPORT = struct.Struct("<6q6iIII")
-
-    def __init__(self, library: Path, boot: int = 1) -> None:
-        self._library = ctypes.CDLL(str(library))
-        for name in ("report_buffer", "receive_buffer", "transmit_buffer"):
-            getattr(self._library, name).restype = ctypes.c_void_p
-        self._library.start(boot)
-        self._sent = b""
-
-    def receive(self, data: bytes) -> None:
-        """Pass bytes to the serial port."""
-        size = self._library.receive_size()
-        while data or self._report()[14]:
-            chunk = data[:size]
-            ctypes.memmove(self._library.receive_buffer(), chunk, len(chunk))
-            data = data[self._library.receive(len(chunk)) :]
-            self._drain()
-
-    def transmit(self) -> bytes:
-        """Return all bytes that were sent since the last call."""
-        self._drain()
-        sent, self._sent = self._sent, b""
-        return sent
-
-    def tick(self, ms: int) -> None:
-        """Let this many milliseconds pass."""
-        self._library.tick(ms)
-        self._drain()
-
-    def steps(self) -> Steps:
-        """Return the set points in microsteps from home."""
-        x, y, z = self._report()[6:9]
-        return x, y, z
-
-    def _report(self) -> tuple[int, ...]:
-        return self._REPORT.unpack(ctypes.string_at(self._library.report_buffer(), self._REPORT.size))
-
-    def _drain(self) -> None:
-        self._sent += ctypes.string_at(self._library.transmit_buffer(), self._report()[13])
-        self._library.drain()
 
 
 class Rig:

@@ -25,6 +25,8 @@ HEARTBEAT_MS: Final = 100
 LOOK_MS: Final = 10
 """Default time (ms) between two polls of the replies; a poll takes longer than the simulation of this time."""
 LAST: Final = 1
+ACK, NACK = "ACK\n", "NACK\n"
+DONE, REFUSED, UNKNOWN = [ACK, ACK], [ACK, NACK], [NACK]
 
 
 class Program:
@@ -68,7 +70,7 @@ class Program:
 
     def ready(self) -> Program:
         """Send the lines with which programs of 2023 begin."""
-        assert self.say("@ENMOTORS ON", "@CALNOW") == ["ACK\n"] * 4
+        assert self.say("@ENMOTORS ON", "@CALNOW") == DONE * 2
         return self
 
     def run(self, line: str, limit_ms: int = 60_000) -> list[str]:
@@ -101,7 +103,7 @@ class Program:
         """The position that the port reports to the program."""
         self.new()
         ack, empty, numbers, done = self.say("@GETALLPOS")
-        assert (ack, empty, done) == ("ACK\n", "\n", "ACK\n")
+        assert (ack, empty, done) == (ACK, "\n", ACK)
         x, y, z = (int(number) for number in numbers.split(" "))
         return x, y, z
 

@@ -1,4 +1,4 @@
-""""""
+"""The model of MuJoCo and the figure of 3D views: closed loops in any pose, and the mechanism."""
 
 from __future__ import annotations
 
@@ -7,11 +7,13 @@ import itertools
 import mujoco
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from beatrix_zenoh.body.figure import chains
+from beatrix_zenoh.body.figure import Figure, Quaternion, chains
+from beatrix_zenoh.colours import ARMS
 from beatrix_zenoh.contract._generated.robot import ROBOT, GeometryData, RobotData
 from beatrix_zenoh.motion.kinematics import Neck
-from beatrix_zenoh.motion.rotation import rotation_of
+from beatrix_zenoh.motion.rotation import Vector, rotation_of
 from sim_node.model import build_spec, scene_spec
 from sim_node.viewer import MECHANISM, add_mechanism
 from sim_node.visuals import COLLISION, VISUAL
@@ -54,7 +56,7 @@ def test_rod_angle_closes_the_loop_of_any_pose(geometry: GeometryData) -> None:
     for yaw, pitch, roll in itertools.product((-2.0, 0.3), (-0.3, 0.2), (-0.2, 0.4)):
         rotation = rotation_of(yaw, pitch, roll)
         arms = neck.inverse(yaw, pitch, roll)
-        for name, chain, arm in zip(("short", "middle", "long"), chains(geometry), arms, strict=True):
+        for name, chain, arm in zip(ARMS, chains(geometry), arms, strict=True):
             data.joint(f"arm_{name}").qpos = arm
             data.joint(f"rod_{name}").qpos = chain.rod_angle(arm, rotation)
         mujoco.mju_mat2Quat(data.joint("head").qpos, np.ravel(rotation))
@@ -76,3 +78,28 @@ def test_the_mechanism_is_hidden_at_first_and_changes_neither_masses_nor_contact
     assert model.body_mass.tolist() == plain.body_mass.tolist()
     assert not (plain.geom_group == MECHANISM).any()
     assert not (scene_spec().compile().geom_group == MECHANISM).any(), "the eyes never draw it"
+
+
+# -- the figure of 3D views, whose rotations are quaternions ----------------------------------------
+
+
+LEFT_HANDED = GeometryData(hand=-1, rod_twist=80.0, mount_angle=100.0)
+
+
+def turned(turn: Quaternion, vector: Vector) -> NDArray[np.float64]:
+    """Return a vector turned by a quaternion."""
+    x, y, z, w = turn
+    axis, v = np.array((x, y, z)), np.array(vector)
+    return np.asarray(v + 2 * np.cross(axis, np.cross(axis, v) + w * v), dtype=np.float64)
+
+
+@pytest.mark.parametrize("geometry", [ROBOT.geometry, LEFT_HANDED])
+@pytest.mark.parametrize("pose", [(0.0, 0.0, 0.0), (2.5, 0.3, -0.2), (-0.4, -0.35, 0.25), (9.0, 0.1, 0.4)])
+def test_rods_end_where_the_head_is_mounted(geometry: GeometryData, pose: tuple[float, float, float]) -> None:
+    figure, head = Figure(geometry), rotation_of(*pose)
+    turns = figure.rotations(Neck(geometry).inverse(*pose), head)
+    for name, (_, elbow, mount) in zip(ARMS, figure.chains, strict=True):
+        arm, rod = turns[f"arm_{name}"], turns[f"arm_{name}/rod_{name}"]
+        end = turned(arm, tuple(turned(rod, mount)))
+        np.testing.assert_allclose(end, turned(turns["head"], mount), atol=1e-9)
+        np.testing.assert_allclose(turned(rod, elbow), elbow, atol=1e-12)

@@ -4,15 +4,53 @@ from __future__ import annotations
 
 import sys
 import time
+from types import ModuleType
 
 import numpy as np
 import pytest
 import simplejpeg
-from fake_opencv import PLUM, FakeOpenCv
 
 from beatrix_zenoh import NoAnswer
 from beatrix_zenoh.contract._generated.messages import FrameHeader
-from hw_node.cameras.opencv import OpenCvCamera
+from hw_node.cameras.opencv import OpenCvCamera, Pixels
+
+PLUM = (40, 20, 120)
+"""Blue, green and red of the camera's pictures."""
+
+
+class FakeOpenCv(ModuleType):
+    """A replacement for the module `cv2` with one USB camera, and for its capture, whose driver ignores all properties."""
+
+    CAP_V4L2, CAP_DSHOW, CAP_AVFOUNDATION = 200, 700, 1200
+    CAP_PROP_POS_MSEC, CAP_PROP_FRAME_WIDTH, CAP_PROP_FRAME_HEIGHT, CAP_PROP_FPS = 0, 3, 4, 5
+    CAP_PROP_FOURCC, CAP_PROP_CONVERT_RGB = 6, 16
+
+    def __init__(self) -> None:
+        super().__init__("cv2")
+        self.plugged = self.works = True
+        self.opened: list[tuple[int | str, int]] = []
+        self.asked: dict[int, float] = {}
+        self.released = 0
+
+    def VideoCapture(self, device: int | str, backend: int, /) -> FakeOpenCv:  # noqa: N802
+        self.opened.append((device, backend))
+        return self
+
+    def isOpened(self) -> bool:  # noqa: N802
+        return self.plugged
+
+    def set(self, property_id: int, value: float, /) -> bool:
+        self.asked[property_id] = value
+        return False
+
+    def get(self, _property_id: int, /) -> float:
+        return -1.0
+
+    def read(self) -> tuple[bool, Pixels | None]:
+        return (True, np.full((480, 640, 3), PLUM, np.uint8)) if self.works else (False, None)
+
+    def release(self) -> None:
+        self.released += 1
 
 
 @pytest.fixture(autouse=True)

@@ -1,4 +1,4 @@
-""""""
+"""The plant: accuracy, lost steps, another assembly, sleep; and the set points of its motors."""
 
 from __future__ import annotations
 
@@ -7,16 +7,15 @@ import random
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
 import pytest
-from bench_plant import closure_error
+from bench_plant import angle_between, closure_error
 from hypothesis import given
 from hypothesis import strategies as st
 
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
-from beatrix_zenoh.motion.rotation import Rotation
+from beatrix_zenoh.motion.trajectory import plan
 from sim_node.plant import Plant, StepperDrive
 
 GEAR = Gear()
@@ -24,31 +23,14 @@ NECK = Neck()
 SPEED = math.radians(ROBOT.limits.speed_max)
 ACCELERATION = math.radians(ROBOT.limits.acceleration)
 STEP = 0.002
+HOME: Arms = (0.0, 0.0, 0.0)
 
 
 def ramp(start: Arms, goal: Arms) -> Iterator[Arms]:
     """Yield set points of the arms (rad) for each physics step, at full speed; all arms arrive at the same time."""
-    far = max(abs(g - s) for s, g in zip(start, goal, strict=True))
-    top = min(SPEED, math.sqrt(far * ACCELERATION))
-    rise = top / ACCELERATION
-    total = far / top + rise
-    for k in range(math.ceil(total / STEP) + 1):
-        t = min(k * STEP, total)
-        if t < rise:
-            distance = ACCELERATION * t * t / 2
-        elif t > total - rise:
-            distance = far - ACCELERATION * (total - t) ** 2 / 2
-        else:
-            distance = top * (t - rise / 2)
-        x, y, z = (s + (g - s) * distance / far for s, g in zip(start, goal, strict=True))
-        yield x, y, z
-
-
-def angle_between(a: Rotation, b: Rotation) -> float:
-    """Return the angle (deg) between two orientations; it is accurate for small angles."""
-    turn = np.array(a).T @ np.array(b)
-    skew = [turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]
-    return math.degrees(math.asin(min(1.0, float(np.linalg.norm(skew)) / 2)))
+    way = plan(start, HOME, goal, (SPEED,) * 3, ACCELERATION, straight=True)
+    for k in range(math.ceil(way.duration / STEP) + 1):
+        yield way.at(k * STEP)[0]
 
 
 def hold_set_points(plant: Plant, arms: Arms, seconds: float, *, drivers_on: bool = True) -> None:
@@ -82,7 +64,6 @@ def plant() -> Plant:
 
 
 TILTED = NECK.inverse(0.4, 0.3, 0.1)
-HOME: Arms = (0.0, 0.0, 0.0)
 
 
 def test_head_and_loop_are_accurate_in_random_motions_at_full_speed(plant: Plant) -> None:
@@ -95,7 +76,7 @@ def test_head_and_loop_are_accurate_in_random_motions_at_full_speed(plant: Plant
             assert closure_error(plant) < 0.05e-3
             assert plant.data.ncon == 0, "no part touches another"
             if k % 5 == 0:
-                assert angle_between(NECK.rotation(plant.arms()), plant.rotation()) < 0.02
+                assert angle_between(plant, NECK) < 0.02
         hold_set_points(plant, goal, 0.5)
         start = goal
         off = [abs(a - s) for a, s in zip(plant.arms(), GEAR.to_rad(GEAR.to_steps(goal)), strict=True)]
@@ -111,22 +92,17 @@ def test_the_head_is_measured_as_yaw_pitch_roll(plant: Plant) -> None:
     assert plant.gap() == pytest.approx(min(NECK.gaps(TILTED)), abs=math.radians(0.5))
 
 
-def push(plant: Plant, torque: float) -> None:
-    """Apply a torque about the vertical (N m) to the head for 0.3 s, and wait until it rests."""
-    plant.data.body("head").xfrc_applied[5] = torque
+def test_a_push_above_the_motors_torque_loses_multiples_of_four_full_steps(plant: Plant) -> None:
+    plant.data.body("head").xfrc_applied[5] = 3.5  # N m about the vertical
     hold_set_points(plant, HOME, 0.3)
     plant.data.body("head").xfrc_applied[5] = 0.0
     hold_set_points(plant, HOME, 0.5)
-
-
-def test_a_push_above_the_motors_torque_loses_multiples_of_four_full_steps(plant: Plant) -> None:
-    push(plant, 3.5)
     lost = plant.slipped()
     assert all(steps % 4 == 0 and steps < 0 for steps in lost)
     assert not plant.home_assembly_left()
     turned = -lost[0] * math.radians(1.8) * 26 / 68
     assert plant.arms()[0] == pytest.approx(turned, abs=math.radians(0.1))
-    assert angle_between(NECK.rotation(plant.arms()), plant.rotation()) < 0.02
+    assert angle_between(plant, NECK) < 0.02
     plant.straighten()
     assert plant.arms() == HOME
     assert plant.slipped() == (0, 0, 0)
@@ -140,21 +116,16 @@ def test_without_motors_a_tilted_head_sinks_and_the_loop_stays_closed(plant: Pla
     assert not plant.home_assembly_left()
 
 
-def snap(plant: Plant) -> None:
-    """Turn the head over, as if the linkage had snapped through."""
-    plant.data.joint("head").qpos = [0.0, 1.0, 0.0, 0.0]
-
-
 def test_another_assembly_is_detected_and_reassembled_at_the_set_points(plant: Plant) -> None:
     go(plant, HOME, TILTED)
-    snap(plant)
+    plant.data.joint("head").qpos = [0.0, 1.0, 0.0, 0.0]  # turned over, as if the linkage had snapped through
     assert plant.home_assembly_left()
     plant.reassemble()
     assert plant.re_placed == 1
     assert not plant.home_assembly_left()
     assert plant.arms() == pytest.approx(TILTED, abs=math.radians(0.1))
     assert closure_error(plant) < 1e-9
-    assert angle_between(NECK.rotation(plant.arms()), plant.rotation()) < 1e-6
+    assert angle_between(plant, NECK) < 1e-6
 
 
 def test_nan_is_detected_and_no_file_is_written(
@@ -224,24 +195,17 @@ def test_a_force_a_step_and_the_motor_switch_wake_the_plant(plant: Plant) -> Non
 
 CYCLE = math.radians(4 * 1.8 * 26 / 68)
 """Four full steps of 1.8 deg at the motor, as an angle of the arm."""
-ORIGIN = (0.0, 0.0, 0.0)
 
 counts = st.tuples(*[st.integers(-(2**31), 2**31 - 1)] * 3)
 angles = st.tuples(*[st.floats(-20.0, 20.0)] * 3)
-
-
-def driven() -> StepperDrive:
-    """Return a drive with its motors on, at home."""
-    drive = StepperDrive()
-    drive.step((0, 0, 0), ORIGIN, on=True)
-    return drive
 
 
 @given(counts, angles)
 def test_set_points_differ_from_the_arm_by_at_most_half_a_cycle(
     pulses: tuple[int, int, int], arms: tuple[float, float, float]
 ) -> None:
-    drive = driven()
+    drive = StepperDrive()
+    drive.step((0, 0, 0), HOME, on=True)
     drive.step(pulses, arms, on=True)
     assert all(
         abs(arm - set_point) <= CYCLE / 2 + 1e-7

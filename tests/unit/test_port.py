@@ -30,17 +30,18 @@ def test_the_only_board_is_found_among_other_ports(monkeypatch: pytest.MonkeyPat
     assert find() == "/dev/ttyUSB0"
 
 
-def test_the_error_for_several_boards_lists_their_ports(monkeypatch: pytest.MonkeyPatch) -> None:
-    plugged(monkeypatch, MEGA, CLONE)
-    with pytest.raises(NoAnswer, match=r"--port: /dev/ttyACM0, /dev/ttyUSB0"):
-        find()
-
-
-def test_the_error_for_a_missing_board_lists_the_ports_and_what_to_do(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize(
+    ("ports", "error"),
+    [
+        ([MEGA, CLONE], r"--port: /dev/ttyACM0, /dev/ttyUSB0"),
+        ([MODEM], r"/dev/ttyS0.*--port, or else"),
+    ],
+)
+def test_the_error_for_no_board_or_several_lists_the_ports_and_what_to_do(
+    monkeypatch: pytest.MonkeyPatch, ports: list[SimpleNamespace], error: str
 ) -> None:
-    plugged(monkeypatch, MODEM)
-    with pytest.raises(NoAnswer, match=r"/dev/ttyS0.*--port, or else"):
+    plugged(monkeypatch, *ports)
+    with pytest.raises(NoAnswer, match=error):
         find(", or else")
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 
 import pytest
+from firmware_host import Rig
 
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.contract._generated.messages import PreviewReply, Reason
-from beatrix_zenoh.contract._generated.serial import Enable, FrameType, Move, MoveStraight
+from beatrix_zenoh.contract._generated.serial import FrameType, Move, MoveStraight
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
@@ -30,11 +31,8 @@ def move_to(arms: Arms, speed: float = 30.0) -> MoveStraight:
 def ready() -> tuple[Plant, Firmware]:
     """Return a plant and its firmware, with motors on and calibrated."""
     plant, firmware = Plant(), Firmware()
-    firmware.receive(encode(FrameType.ENABLE, 1, Enable(1).pack()))
-    pass_time(plant, firmware, 20)
-    firmware.receive(encode(FrameType.CALIBRATE, 2, b""))
-    pass_time(plant, firmware, 20)
-    firmware.transmit()
+    Rig(firmware).ready()
+    pass_time(plant, firmware, 40)
     return plant, firmware
 
 
@@ -44,19 +42,15 @@ def pass_time(plant: Plant, firmware: Firmware, ms: int) -> None:
         plant.step(firmware.pulses(), drivers_on=firmware.drivers_on())
 
 
-def copy_of(firmware: Firmware) -> Firmware:
-    other = Firmware()
-    other.restore(firmware.snapshot())
-    return other
-
-
 def preview(move: Move | MoveStraight) -> PreviewReply:
     return simulate_motion(*ready(), move)
 
 
 def test_the_motion_is_the_same_as_its_preview() -> None:
     plant, firmware = ready()
-    seen = simulate_motion(plant.copy(), copy_of(firmware), move_to(NODDED))
+    copy = Firmware()
+    copy.restore(firmware.snapshot())
+    seen = simulate_motion(plant.copy(), copy, move_to(NODDED))
     firmware.receive(encode(FrameType.MOVE_STRAIGHT, 3, move_to(NODDED).pack()))
     for arms, head in zip(seen.arms, seen.head, strict=True):
         assert plant.arms() == pytest.approx(tuple3(arms), abs=1e-9)

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import ast
 import re
 import shlex
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from house import PACKAGES
 from hypothesis import given
 from hypothesis import strategies as st
+from robots import ROOT
 
 from beatrix_zenoh.output import typed
 from beatrix_zenoh.processes import advice
 
-ROOT = Path(__file__).resolve().parents[2]
 POWERSHELL = re.compile(r"""[\w+:./][\w+:./-]*|--?[\w][\w.-]*|"[^"`$“”„\n]*"|'(?:[^'‘’‚‛]|'')*'""", re.ASCII)
 """A word that PowerShell passes on unchanged: plain, or between quotes that contain nothing it would replace."""
 WORDS = {
@@ -59,37 +58,18 @@ def test_the_advice_for_another_router_needs_no_variable_of_a_shell() -> None:
     assert '  beatrix top --connect "tcp/[::1]:7940"\n' in text
 
 
-SAFE = {"number", "found.number", "robot.name", "account.name", "name", "others", "VIRTUAL"}
+SAFE = {"number", "found.number", "robot.name", "account.name", "name", "others", "VIRTUAL", "self._port"}
 """Values that contain only letters of names and digits, or are quoted already."""
-BEGUN = re.compile(r"beatrix [a-z]+[^.;`]*$")
-
-
-def unquoted(tree: ast.Module) -> Iterator[str]:
-    """Yield the places of values in printed commands that `typed` has not quoted."""
-    for text in ast.walk(tree):
-        if not isinstance(text, ast.JoinedStr):
-            continue
-        before = ""
-        for part in text.values:
-            if isinstance(part, ast.Constant):
-                before += str(part.value)
-            elif isinstance(part, ast.FormattedValue):
-                value = ast.unparse(part.value)
-                if (
-                    BEGUN.search(before)
-                    and value not in SAFE
-                    and not value.startswith(("typed(", "'' if self._port"))
-                ):
-                    yield f"{text.lineno}: {value}"
-                before += "X"
+COMMAND = re.compile(r"beatrix [a-z]+(?:{[^{}\n]*|[^.;`{\n])*")
 
 
 def test_every_printed_command_is_quoted_in_one_place() -> None:
-    found = [
-        f"{path.relative_to(ROOT)}:{line}"
-        for package in ("beatrix_zenoh", "sim_node", "hw_node", "gui")
+    values = {
+        value
+        for package in PACKAGES
         for path in (ROOT / package).rglob("*.py")
-        if "beatrix " in (text := path.read_text(encoding="utf-8"))
-        for line in unquoted(ast.parse(text))
-    ]
-    assert found == []
+        for command in COMMAND.findall(path.read_text(encoding="utf-8"))
+        for value in re.findall(r"{([^{}]*)", command)
+        if not value.startswith(("typed(", "'' if self._port"))
+    }
+    assert values == SAFE

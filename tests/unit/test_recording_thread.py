@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any, cast
+from unittest.mock import Mock
 
 import msgspec
 import pytest
@@ -19,7 +20,7 @@ from beatrix_zenoh.contract._generated.messages import Positions, Status
 from beatrix_zenoh.contract.codec import decode_json
 from beatrix_zenoh.recording.losses import POSITIONS, Stream, total
 from beatrix_zenoh.recording.recorder import Recorder
-from beatrix_zenoh.recording.rows import Bar, Line, Numbers, RecordingRow, RobotSet
+from beatrix_zenoh.recording.rows import Bar, Line, Numbers, RecordingRow
 from beatrix_zenoh.recording.samples import About, Note
 from beatrix_zenoh.recording.sources import (
     Arrived,
@@ -51,43 +52,12 @@ class Inbox:
         pass
 
 
-class FakeOutput:
-    """Keeps all rows."""
-
-    def __init__(self) -> None:
-        self.rows: list[RecordingRow] = []
-        self.robot_sets: list[RobotSet] = []
-        self.abouts: list[About] = []
-        self.failure: Exception | None = None
-        self.restarts = False
-        self.closed = False
-
-    def show(self, robots: RobotSet) -> None:
-        self.robot_sets.append(robots)
-
-    def describe(self, about: About) -> None:
-        self.abouts.append(about)
-
-    def write(self, rows: Sequence[RecordingRow]) -> None:
-        self.rows += rows
-
-    def update(self, now_s: float) -> bool:  # noqa: ARG002
-        if self.failure is not None:
-            raise self.failure
-        restarted, self.restarts = self.restarts, False
-        return restarted
-
-    def close(self) -> bool:
-        self.closed = True
-        return True
-
-
 class Rig:
     """A recorder's thread with fake subscriptions, queries and output."""
 
     def __init__(self) -> None:
         self.subscriptions, self.queries, self.notes = Inbox(), Inbox(), Inbox()
-        self.output, self.messages = FakeOutput(), list[str]()
+        self.output, self.messages = Mock(**{"update.return_value": False}), list[str]()
         subscriptions, queries, notes = (
             cast("Any", inbox) for inbox in (self.subscriptions, self.queries, self.notes)
         )
@@ -105,14 +75,16 @@ class Rig:
         offset = None if offset_ns is None else Offset(offset_ns / 1e9, 1e-4)
         self.queries.waiting = [RobotAnswer(BEA, offset)]
 
-    def rows_of(self, what: str) -> list[tuple[float, ...]]:
-        """Return the values of an entity of the robot."""
-        found = [row for row in self.output.rows if isinstance(row, Numbers)]
-        return [row.values for row in found if row.path == f"bea/hw/{what}"]
+    def rows(self) -> list[RecordingRow]:
+        """Return the rows that were written so far."""
+        return [row for call in self.output.write.call_args_list for row in call.args[0]]
+
+    def numbers(self, what: str) -> list[Numbers]:
+        """Return those of an entity of the robot."""
+        return [row for row in self.rows() if isinstance(row, Numbers) and row.path == f"bea/hw/{what}"]
 
     def arms(self) -> list[Numbers]:
-        """Return the rows of the arms so far."""
-        return [row for row in self.output.rows if isinstance(row, Numbers) and row.path == "bea/hw/arms"]
+        return self.numbers("arms")
 
 
 @pytest.fixture
@@ -143,7 +115,7 @@ def test_publications_are_kept_until_the_clock_offset_is_known(rig: Rig) -> None
     until(lambda: len(rig.arms()) == 2, "both publications are written")
     assert abs(rig.arms()[0].time_ns - time.time_ns()) < 5_000_000_000
     assert rig.queries.requests == [BEA]
-    assert [list(shown.robots) for shown in rig.output.robot_sets] == [[BEA]]
+    assert [list(call.args[0].robots) for call in rig.output.show.call_args_list] == [[BEA]]
 
 
 def test_dropped_publications_are_reported_and_recorded(rig: Rig) -> None:
@@ -152,7 +124,7 @@ def test_dropped_publications_are_reported_and_recorded(rig: Rig) -> None:
     assert rig.messages == [
         "So far: bea (hw): 12 of 12 positions were dropped here: this computer was too slow."
     ]
-    (line,) = rig.output.rows
+    (line,) = rig.rows()
     assert isinstance(line, Line)
     assert (line.path, line.text) == ("_recorder/log", rig.messages[0])
 
@@ -190,8 +162,8 @@ def test_late_samples_are_written_with_their_true_times(rig: Rig) -> None:
 
 def test_a_note_becomes_a_line_and_a_mark(rig: Rig) -> None:
     rig.notes.waiting.append(Arrived("ana", "trial 3 begins", time.monotonic_ns()))
-    until(lambda: len(rig.output.rows) == 2, "both rows")
-    line, mark = rig.output.rows
+    until(lambda: len(rig.rows()) == 2, "both rows")
+    line, mark = rig.rows()
     assert isinstance(line, Line)
     assert isinstance(mark, Bar)
     assert line.path == "_recorder/notes"
@@ -206,20 +178,20 @@ def test_an_output_that_has_restarted_gets_robots_and_description_again(rig: Rig
     rig.publish(positions())
     rig.answer(AHEAD_NS)
     until(lambda: len(rig.arms()) == 1, "the robot is in the recording")
-    rig.output.robot_sets.clear()
-    rig.output.abouts.clear()
-    rig.output.restarts = True
-    until(lambda: bool(rig.output.robot_sets and rig.output.abouts), "the output has both again")
-    assert list(rig.output.robot_sets[0].robots) == [BEA]
-    assert rig.output.abouts[0].title == "lesson"
+    rig.output.show.reset_mock()
+    rig.output.describe.reset_mock()
+    rig.output.update.side_effect = itertools.chain([True], itertools.repeat(False))
+    until(lambda: rig.output.show.called and rig.output.describe.called, "the output has both again")
+    assert list(rig.output.show.call_args.args[0].robots) == [BEA]
+    assert rig.output.describe.call_args.args[0].title == "lesson"
 
 
 def test_an_error_ends_the_thread_and_is_reported(rig: Rig) -> None:
-    rig.output.failure = OSError("gone")
+    rig.output.update.side_effect = OSError("gone")
     with pytest.raises(OSError, match="gone"):
         until(lambda: bool(rig.thread.check()), "the thread has failed")  # type: ignore[func-returns-value]
     assert rig.thread.close()
-    assert rig.output.closed
+    assert rig.output.close.called
 
 
 def test_positions_of_a_lost_board_are_counted_and_not_written_in_the_past(rig: Rig) -> None:
@@ -230,7 +202,7 @@ def test_positions_of_a_lost_board_are_counted_and_not_written_in_the_past(rig: 
         rig.publish(msgspec.structs.replace(old, seq=next(numbers)))
     rig.publish(positions())
     until(lambda: len(rig.arms()) == 1, "the new sample is written")
-    assert rig.rows_of("repeats") == [(3.0,)]
+    assert [row.values for row in rig.numbers("repeats")] == [(3.0,)]
     (one,) = rig.thread.counts.values()
     assert (one.received, one.repeated, one.impossible, one.late) == (4, 3, 0, 0)
     assert rig.queries.requests == [], "the clock is not measured again"

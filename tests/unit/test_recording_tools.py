@@ -56,9 +56,9 @@ def rerun(*words: object) -> None:
     assert done.returncode == 0, done.stderr
 
 
-def split(path: Path, folder: Path, *words: str, timeline: str = "time") -> list[Path]:
+def split(path: Path, folder: Path) -> list[Path]:
     """Cut a recording in three parts."""
-    rerun("split", "-o", folder, "--timeline", timeline, "-n", "3", *words, path)
+    rerun("split", "-o", folder, "--timeline", "time", "-n", "3", path)
     return sorted(folder.glob(f"{path.stem}_*.rrd"))
 
 
@@ -141,16 +141,12 @@ def numbers(stream: rr.RecordingStream, entity: str, width: int) -> None:
     stream.send_columns(entity, [index], rows)
 
 
-def other(write: Callable[[rr.RecordingStream], None]) -> Callable[[Path, Path], Path]:
-    """Return a function that lets another program write a file."""
-
-    def made(_lesson: Path, folder: Path) -> Path:
-        with rr.RecordingStream("other") as stream:
-            stream.save(folder / "new.rrd")
-            write(stream)
-        return folder / "new.rrd"
-
-    return made
+def other(folder: Path, write: Callable[[rr.RecordingStream], None]) -> Path:
+    """Let another program write a file."""
+    with rr.RecordingStream("other") as stream:
+        stream.save(folder / "new.rrd")
+        write(stream)
+    return folder / "new.rrd"
 
 
 def merged(lesson: Path, folder: Path, shift_ns: int) -> Path:
@@ -169,8 +165,8 @@ REFUSED: dict[str, tuple[str, Callable[[Path, Path], Path]]] = {
     "filter the time": (NO_POSITIONS, lambda path, folder: changed("filter", path, folder, "--drop-timeline", "time")[0]),
     "merge the same time": ("contain the same time of bea \\(sim\\)", lambda path, folder: merged(path, folder, 7)),
     "merge another day": ("are 24.0 h apart", lambda path, folder: merged(path, folder, 86_400_000_000_000)),
-    "points": (NO_POSITIONS, other(lambda stream: stream.log("p", rr.Points3D([[1, 2, 3]])))),
-    "angles of four arms": (FOREIGN, other(lambda stream: numbers(stream, "/x/sim/arms", 4))),
+    "points": (NO_POSITIONS, lambda _, folder: other(folder, lambda stream: stream.log("p", rr.Points3D([[1, 2, 3]])))),
+    "angles of four arms": (FOREIGN, lambda _, folder: other(folder, lambda stream: numbers(stream, "/x/sim/arms", 4))),
 }  # fmt: skip
 
 
@@ -201,7 +197,7 @@ def test_what_another_program_adds_or_leaves_out_does_no_harm(lesson: Path, tmp_
     found = read(without[0])
     assert list(found.robots) == [HW]
     assert found.robots[HW].lost is None
-    path = other(lambda stream: numbers(stream, "/bea/sim/more", 7))(lesson, tmp_path)
+    path = other(tmp_path, lambda stream: numbers(stream, "/bea/sim/more", 7))
     path = path.rename(tmp_path / "more.rrd")
     (both,) = changed("merge", lesson, tmp_path, str(path))
     assert sorted(read(both).robots) == [HW, SIM]

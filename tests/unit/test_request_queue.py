@@ -23,10 +23,18 @@ class Log:
         return lambda: self.ran.append(name), decline
 
 
+def run(queue: ControllerQueue, count: int) -> None:
+    """Run the next entries."""
+    for _ in range(count):
+        entry = queue.take()
+        assert entry is not None
+        entry()
+
+
 def drain(queue: ControllerQueue) -> None:
     queue.close()
-    while (run := queue.take()) is not None:
-        run()
+    while (entry := queue.take()) is not None:
+        entry()
 
 
 def test_a_newer_motion_of_a_seat_replaces_the_older_and_runs_last() -> None:
@@ -71,8 +79,7 @@ def test_a_closed_queue_declines_new_entries_and_runs_the_waiting_ones() -> None
     queue.post(*log.task("command"))
     queue.post_latest("ana", *log.task("motion"))
     queue.post_event(log.task("event")[0])
-    while (run := queue.take()) is not None:
-        run()
+    drain(queue)
     assert log.ran == ["before"]
     assert log.declined == [(name, Reason.SHUTDOWN) for name in ("command", "motion")]
 
@@ -83,10 +90,7 @@ def test_urgent_entries_go_first_in_their_own_order() -> None:
         queue.post(*log.task(f"command {number}"))
     for name in ("stop", "its reply"):
         queue.post_urgent(*log.task(name))
-    first = [queue.take() for _ in range(3)]
-    for taken in first:
-        assert taken is not None
-        taken()
+    run(queue, 3)
     assert log.ran == ["stop", "its reply", "command 0"]
     queue.close()
     queue.post_urgent(*log.task("late"))
@@ -98,17 +102,11 @@ def test_a_later_entry_runs_at_its_time_after_all_that_wait_then() -> None:
     queue.post_later(due_s + 0.01, lambda: log.ran.append("last"))
     queue.post_later(due_s, lambda: log.ran.append(f"late: {time.monotonic() >= due_s}"))
     queue.post(*log.task("now"))
-    for _ in range(3):
-        run = queue.take()
-        assert run is not None
-        run()
+    run(queue, 3)
     assert log.ran == ["now", "late: True", "last"]
     queue.post_later(time.monotonic(), lambda: log.ran.append("due"))
     queue.post(*log.task("waits already"))
-    for _ in range(2):
-        run = queue.take()
-        assert run is not None
-        run()
+    run(queue, 2)
     assert log.ran[3:] == ["waits already", "due"]
     queue.post_later(time.monotonic() + 60, lambda: log.ran.append("never"))
     drain(queue)

@@ -1,10 +1,9 @@
-"""Sentences: every language has every entry with the same numbers, made from reason and detail only."""
+"""Sentences: every language has every entry with the same fields, made from reason and detail only."""
 
 from __future__ import annotations
 
 import itertools
 import math
-import re
 import string
 from collections import Counter
 
@@ -24,8 +23,6 @@ from gui.console import texts
 
 LANGUAGES = {code: texts.load(code)[1] for code in texts.LANGUAGES}
 RAD = math.radians
-COMMANDS = re.compile(r"`[^`]*`")
-"""Commands to type, which window and page do not show."""
 HERE = Vector3(RAD(10), RAD(-20), RAD(30.25))
 
 
@@ -53,15 +50,16 @@ def pose(
     return Refused(reason, detail=detail)
 
 
-def speed(value: float, other: float) -> Refused:
+def speed(value: float, high: float, arms: list[str], other: float | None = None, field: str = "") -> Refused:
     detail = Detail(
         limit=Limit.SPEED,
         value=value,
         low=RAD(0.0215),
-        high=RAD(90),
+        high=high,
         unit="rad/s",
-        arms=["short", "long"],
-        alternative=Alternative(speed=Vector3(other, other, other)),
+        arms=arms,
+        field=field,
+        alternative=None if other is None else Alternative(speed=Vector3(other, other, other)),
     )
     return Refused(Reason.SPEED_LIMIT, detail=detail)
 
@@ -122,21 +120,10 @@ REFUSALS: list[BeatrixError] = [
         for at_goal in (True, False)
     ),
     *(pose(Reason.YAW_LIMIT, Limit.YAW, RAD(-200), at_goal=at_goal) for at_goal in (True, False)),
-    speed(RAD(0.01), RAD(0.022)),
-    speed(RAD(100), RAD(90)),
+    speed(RAD(0.01), RAD(90), ["short", "long"], RAD(0.022)),
+    speed(RAD(100), RAD(90), ["short", "long"], RAD(90)),
     *(
-        Refused(
-            Reason.SPEED_LIMIT,
-            detail=Detail(
-                limit=Limit.SPEED,
-                value=RAD(60),
-                low=RAD(0.0215),
-                high=RAD(31),
-                unit="rad/s",
-                arms=["long"],
-                field=field,
-            ),
-        )
+        speed(RAD(60), RAD(31), ["long"], field=field)
         for reason, _, field in sentences.ENGLISH.refusals
         if reason is Reason.SPEED_LIMIT and field not in ("", "low", "high")
     ),
@@ -163,12 +150,6 @@ def key_of(refusal: BeatrixError) -> tuple[Reason, Limit | None, str]:
     return refusal.reason, detail.limit, sentences.case_of(refusal.reason, detail)
 
 
-def numbers(text: str) -> list[float]:
-    """Return the numbers of a sentence in any language, in ascending order."""
-    plain = text.replace(texts.MINUS, "-")
-    return sorted(float(found.replace(",", ".")) for found in re.findall(r"-?\d+(?:[.,]\d+)?", plain))
-
-
 def fields(template: str) -> set[str]:
     return {name for _, name, _, _ in string.Formatter().parse(template) if name}
 
@@ -187,16 +168,6 @@ def test_every_language_has_every_sentence_with_the_same_fields(language: str) -
         assert fields(getattr(other, name)) == fields(getattr(english, name)), name
     assert set(other.arms) == set(english.arms) == set(ARMS)
     assert set(other.commands) == set(english.commands)
-
-
-@pytest.mark.parametrize("language", LANGUAGES)
-def test_sentences_of_every_language_contain_the_same_numbers(language: str) -> None:
-    for refusal in REFUSALS:
-        text = sentences.render(refusal.reason, refusal.detail, LANGUAGES[language])
-        assert numbers(text) == numbers(COMMANDS.sub("", refusal.message)), key_of(refusal)
-        assert text[0].isupper() or text[0] in "'„a", text
-        assert text.endswith("."), text
-        assert "{" not in text
 
 
 @pytest.mark.parametrize("language", LANGUAGES)

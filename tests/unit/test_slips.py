@@ -2,37 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
-
 import pytest
-from robots import Stage
 
 from beatrix_zenoh import Robot, Twin
+from beatrix_zenoh.client.degrees import Reading
+from beatrix_zenoh.client.motion import Motion
+from beatrix_zenoh.client.subscription import Subscription
 
-
-@pytest.fixture(scope="module")
-def names() -> Iterator[dict[str, Any]]:
-    """A robot, a twin, a motion and a subscription, by their names in a program."""
-    with Stage() as stage:
-        stage.node("bea1")
-        with (
-            Twin("bea1", connect=stage.endpoint) as twin,
-            Robot("bea1", "hw", connect=stage.endpoint) as robot,
-        ):
-            robot.make_ready()
-            motion = robot.look(5, wait=False)
-            with robot.stream() as stream:
-                stream.next()
-                yield {"robot": robot, "twin": twin, "motion": motion, "stream": stream}
-            motion.result()
+NAMES = {
+    "robot": Robot.__new__(Robot),
+    "twin": Twin.__new__(Twin),
+    "motion": Motion.__new__(Motion),
+    "stream": Subscription.__new__(Subscription),
+    "reading": Reading.__new__(Reading),
+}
+"""Objects of a program by their names, without a robot: a slip is found in their class."""
 
 
 @pytest.mark.parametrize(
     ("slip", "meant"),
     [
         ("robot.positions.head", "positions is a method: write positions().head"),
-        ("robot.positions().haed", "Reading has no 'haed': did you mean head?"),
+        ("reading.haed", "Reading has no 'haed': did you mean head?"),
         ("robot.head.yaw", "Robot has no 'head': it has begin, calibrate, camera, "),
         ("robot.stream.latest", "stream is a method: write stream().latest"),
         ("twin.positions.sim", "positions is a method: write positions().sim"),
@@ -44,7 +35,7 @@ def names() -> Iterator[dict[str, Any]]:
         ("stream.jpeg", "Subscription has no 'jpeg': it has arrivals, close, "),
     ],
 )
-def test_the_error_of_a_slip_names_what_was_meant(slip: str, meant: str, names: dict[str, Any]) -> None:
+def test_the_error_of_a_slip_names_what_was_meant(slip: str, meant: str) -> None:
     with pytest.raises((AttributeError, TypeError)) as error:
-        eval(slip, names.copy())
+        eval(slip, NAMES.copy())
     assert str(error.value).startswith(meant)

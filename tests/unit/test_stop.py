@@ -93,13 +93,6 @@ def stage(monkeypatch: pytest.MonkeyPatch) -> Iterator[Stage]:
     made.close()
 
 
-def test_stop_is_sent_and_answered(stage: Stage) -> None:
-    stage.press(Command.STOP, "ana")
-    assert stage.replied.acquire(timeout=5)
-    assert stage.sent == [FrameType.STOP]
-    assert stage.replies["ana"].reason is Reason.OK
-
-
 def test_an_emergency_stop_is_sent_before_an_earlier_stop(stage: Stage) -> None:
     stage.go_on.clear()
     stage.press(Command.STOP, "ana")
@@ -173,13 +166,6 @@ def test_a_stop_after_one_that_the_board_did_not_acknowledge_is_sent(stage: Stag
     stage.press(Command.STOP, "ana")
     assert stage.replied.acquire(timeout=5)
     assert (stage.sent, stage.replies["ana"].reason) == ([FrameType.STOP] * 2, Reason.OK)
-
-
-def test_every_press_is_an_event(stage: Stage) -> None:
-    stage.press(Command.STOP, "ana")
-    assert stage.replied.acquire(timeout=5)
-    (event,) = stage.node.events.latest().events
-    assert (event.kind, event.action, event.seat) == (EventKind.STOP, "STOP", "ana")
 
 
 def test_a_closed_handler_sends_nothing_and_answers_every_press(stage: Stage) -> None:

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from beatrix_zenoh.bus.query_forms import RawQuery
-from beatrix_zenoh.contract._generated.messages import Reason, TargetReply
+from beatrix_zenoh.contract._generated.messages import Reason
 from sim_node.target import HOME, PERIOD_S, PersonTarget, TargetPath, check, on_path, reply
 
 
@@ -15,12 +15,6 @@ def test_every_path_begins_at_home_and_stays_within_the_bounds(path: TargetPath)
     for place in places:
         check(place)
     assert (len(set(places)) == 1) == (path is TargetPath.STILL)
-
-
-def answer_to(
-    target: PersonTarget, payload: bytes = b"", encoding: str = "", parameters: str = ""
-) -> TargetReply:
-    return reply(target, RawQuery(payload, encoding, parameters), now_s=0.0)
 
 
 @pytest.mark.parametrize(
@@ -35,7 +29,7 @@ def answer_to(
     ],
 )
 def test_a_wrong_query_is_refused_with_an_explanation(wrong: bytes, words: str) -> None:
-    answer = answer_to(PersonTarget(TargetPath.STILL, 0.0), wrong)
+    answer = reply(PersonTarget(TargetPath.STILL, 0.0), RawQuery(wrong, "", ""), now_s=0.0)
     assert (answer.result, answer.reason) == (False, Reason.BAD_VALUE)
     assert (answer.x, answer.y, answer.z) == HOME
     assert words in answer.message

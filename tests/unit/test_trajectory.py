@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from beatrix_zenoh.motion.gear import Arms
@@ -62,12 +62,8 @@ def test_a_straight_motion_from_rest_stays_on_its_line(start: Arms, target: Arms
             assert abs(velocity[i]) <= speed[0] + 1e-9
 
 
-def test_the_shortest_motion_is_at_its_target() -> None:
-    target = 0.0, 0.0, 1e-20
-    assert plan(REST, REST, target, (1.0, 1.0, 1.0), ACCELERATION, straight=False).at(0.0) == (target, REST)
-
-
 @given(angles, rates, angles, speeds, st.booleans())
+@example(REST, REST, (0.0, 0.0, 1e-20), (1.0, 1.0, 1.0), False)
 def test_a_motion_to_any_new_target_is_smooth_not_too_fast_and_arrives(
     start: Arms, velocity: Arms, target: Arms, speed: Arms, straight: bool
 ) -> None:

@@ -9,15 +9,12 @@ from pathlib import Path
 from typing import TypedDict, cast
 
 import msgpack
-import msgspec
 import pytest
 from msgspec import Struct
 from robots import ROOT, untraced
-from statuses import AT_HOME
 
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import messages
-from beatrix_zenoh.contract._generated.messages import Vector3
 
 VECTORS = Path(__file__).resolve().parents[2] / "schemas/vectors/messages.json"
 
@@ -39,14 +36,6 @@ def test_the_codec_and_an_independent_encoder_write_the_golden_bytes(entry: Vect
     kind = cast("type[Struct]", getattr(messages, entry["message"]))
     message = codec.decode(bytes.fromhex(entry["msgpack"]), kind)
     assert codec.encode(message).hex() == entry["msgpack"]
-
-
-def test_a_positions_message_is_shorter_than_250_bytes() -> None:
-    vector = Vector3(0.1, 0.2, 0.3)
-    positions = msgspec.structs.replace(
-        AT_HOME, t_mono_ns=10**15, t_wall_ns=10**18, position=vector, velocity=vector, commanded=vector
-    )
-    assert len(codec.encode(positions)) < 250
 
 
 # -- several threads that decode the first messages of a process at the same time ------------------

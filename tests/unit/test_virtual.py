@@ -7,15 +7,15 @@ import threading
 from collections.abc import Iterator
 
 import pytest
+from firmware_host import Rig
 
 from beatrix_zenoh.board import virtual, wasm
 from beatrix_zenoh.board.link import encode
 from beatrix_zenoh.board.virtual import TICKS, Firmware, VirtualBoard
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract._generated.serial import Enable, FrameType, Move
+from beatrix_zenoh.contract._generated.serial import FrameType, Telemetry
 from beatrix_zenoh.contract.errors import BeatrixError
 
-SPEED = (4189, 4189, 4189)
 HELLO, PING = encode(FrameType.HELLO, 3, b""), encode(FrameType.PING, 3, b"")
 
 
@@ -24,19 +24,6 @@ def board() -> Iterator[VirtualBoard]:
     board = VirtualBoard(Firmware(boot=7, name="bea1"))
     board.write(HELLO)
     yield board
-    board.close()
-
-
-def make_move(firmware: Firmware, target: tuple[int, int, int], motion: int = 1) -> None:
-    firmware.receive(encode(FrameType.ENABLE, 1, Enable(1).pack()))
-    firmware.receive(encode(FrameType.CALIBRATE, 2, b""))
-    firmware.receive(encode(FrameType.MOVE, 3, Move(motion, target, SPEED).pack()))
-
-
-def test_a_board_sends_nothing_before_the_first_frame() -> None:
-    board = VirtualBoard(Firmware(boot=7, name="bea1"))
-    board.advance(5000)
-    assert board.read(0) == b""
     board.close()
 
 
@@ -59,22 +46,10 @@ def test_unread_bytes_are_limited(board: VirtualBoard) -> None:
     assert len(board.read(0)) == virtual._UNREAD_MAX
 
 
-def test_a_restored_board_continues_like_the_original() -> None:
-    robot, preview = Firmware(boot=3, name="bea1"), Firmware()
-    make_move(robot, (300, -200, 50))
-    robot.tick(200)
-    robot.transmit()
-    preview.restore(robot.snapshot())
-    robot.tick(400)
-    preview.tick(400)
-    assert preview.steps() == robot.steps()
-    assert preview.transmit() == robot.transmit()
-
-
 def test_the_motors_of_one_long_call_are_those_of_many_short_ones() -> None:
     short, long = Firmware(), Firmware()
     for firmware in (short, long):
-        make_move(firmware, (300, -200, 50))
+        Rig(firmware).ready().move((300, -200, 50))
     for ms in (20, 100, 2, 400):
         one_by_one = []
         for _ in range(min(ms, TICKS) // 2):
@@ -100,18 +75,12 @@ def test_a_missing_wasmtime_is_an_error_with_the_command_to_install_it(
     assert caught.value.reason == Reason.BOARD_LOST
 
 
-def run_script(firmware: Firmware) -> bytes:
-    """Return what a board sends during a short motion, and its memory afterwards."""
-    answers = b""
-    for kind, payload in (
-        (FrameType.ENABLE, b"\1"),
-        (FrameType.CALIBRATE, b""),
-        (FrameType.MOVE, Move(1, (90, -60, 30), (400, 400, 400)).pack()),
-    ):
-        firmware.receive(encode(kind, 1, payload))
-        firmware.tick(50)
-        answers += firmware.transmit()
-    return answers + firmware.snapshot()
+def run_script(firmware: Firmware) -> tuple[list[Telemetry], bytes]:
+    """Return the telemetry of a board during a short motion, and its memory afterwards."""
+    rig = Rig(firmware).ready()
+    rig.move((90, -60, 30), 400)
+    rig.tick(50)
+    return rig.telemetry, firmware.snapshot()
 
 
 def test_direct_calls_equal_those_of_wasmtime(monkeypatch: pytest.MonkeyPatch) -> None:

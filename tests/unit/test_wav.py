@@ -24,13 +24,8 @@ def as_bits(kind: int, bits: int) -> bytes:
     """Return FRAMES in another format."""
     if kind == FLOAT:
         return (FRAMES / 32768).astype(f"<f{bits // 8}").tobytes()
-    return (
-        (FRAMES.astype("<i8") << (bits - 16))
-        .astype("<i8")
-        .view(np.uint8)
-        .reshape(-1, 8)[:, : bits // 8]
-        .tobytes()
-    )
+    shifted = FRAMES.astype("<i8") << (bits - 16)
+    return shifted.view(np.uint8).reshape(-1, 8)[:, : bits // 8].tobytes()
 
 
 def file_of(kind: int, bits: int, data: bytes, *, extensible: bool = False, before: bytes = b"") -> bytes:
