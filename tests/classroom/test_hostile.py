@@ -37,8 +37,7 @@ def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
 @pytest.fixture(scope="module")
 def teacher(router: ClassRouter) -> Iterator[Robot]:
     """The robot through the teacher's session, which need not pause after its own STOP."""
-    account = router.account("teacher")
-    with patiently(lambda: Client(Settings("bea1", account.connect, "teacher", account=account))) as client:
+    with router.client("teacher") as client:
         yield ready(Robot("bea1", "hw", client=client, timeout_s=PATIENCE_S))
 
 

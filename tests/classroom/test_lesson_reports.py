@@ -18,7 +18,6 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LessonState, Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.lessons.progress import Record
-from beatrix_zenoh.settings import Settings
 
 STUCK = Record(tries=7, hints=[1], figure="nods", stuck=reports.STUCK)
 PASSED = Record(tries=2, passed=["0" * 64])
@@ -36,14 +35,9 @@ def good(*words: str) -> str:
     return done.stdout
 
 
-def client(router: ClassRouter, seat: str) -> Client:
-    account = router.account(seat)
-    return patiently(lambda: Client(Settings("bea1", account.connect, seat, account=account)))
-
-
 @pytest.fixture(scope="module")
 def teacher(router: ClassRouter) -> Iterator[Client]:
-    with client(router, "teacher") as made:
+    with router.client("teacher") as made:
         yield made
 
 
@@ -86,7 +80,7 @@ def test_the_teacher_reads_what_each_seat_has_reported(
     reports.report("01-hello", Record(tries=1).state())
     kept = ["passed (7)", "passed (2)"]
     until(lambda: [row.words for row in reports.read(teacher)] == kept, "reports from another folder")
-    with client(router, "ana") as pupil, pytest.raises(Refused) as refused:
+    with router.client("ana") as pupil, pytest.raises(Refused) as refused:
         reports.read(pupil)
     assert refused.value.reason is Reason.TEACHER_ONLY
 

@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import signal
 import subprocess
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 import pytest
-from robots import Process, Stage, until
+from robots import Process, Stage, children, until
 from simulated_pictures import FIRST_S, fresh
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.node import Node
 from sim_node import eyes, gl
 from sim_node.body import Simulation
 from sim_node.target import HOME
@@ -43,16 +38,6 @@ def robot(stage: Stage, sim: Process) -> Iterator[Robot]:
     robot.look(speed=80)
     robot.move_target(*HOME)
     robot.client.close()
-
-
-def children(process: int) -> dict[int, str]:
-    """Return the numbers and command lines of the living children of a process."""
-    listings = (path.read_text() for path in Path(f"/proc/{process}/task").glob("*/children"))
-    found = {}
-    for number in (int(word) for listing in listings for word in listing.split()):
-        with contextlib.suppress(FileNotFoundError, ProcessLookupError):  # it has just ended
-            found[number] = Path(f"/proc/{number}/cmdline").read_bytes().decode()
-    return found
 
 
 def renderers(process: int) -> list[int]:
@@ -107,7 +92,7 @@ def inside(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> Iterator[Robot]:
     """A simulation in this process with short retries."""
     monkeypatch.setattr(eyes, "IDLE_S", 0.1)
     monkeypatch.setattr(eyes, "RETRY_S", 0.1)
-    node = Node(Sessions(lambda: zbus.connect(stage.endpoint)), "inside", Simulation("inside")).start()
+    node = stage.node("inside", Simulation("inside"))
     robot = stage.robot("inside", "sim")
     yield robot
     robot.client.close()

@@ -20,6 +20,7 @@ from beatrix_zenoh.bus import Reply, Sessions
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.contract._generated.messages import Status
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
+from beatrix_zenoh.legacy import Terminal
 from beatrix_zenoh.node import Node
 from beatrix_zenoh.node.node import RobotBody
 from beatrix_zenoh.recording.viewer import free_port
@@ -64,6 +65,20 @@ def _suspended(thread: Path) -> bool:
     with contextlib.suppress(OSError):
         return (thread / "stat").read_text().rpartition(")")[2].split()[0] in "TtZX"
     return True
+
+
+def children(pid: int) -> dict[int, str]:
+    """Return the command lines of a process's living children by process number; none if /proc is missing."""
+    found = {}
+    for listing in Path(f"/proc/{pid}/task").glob("*/children"):
+        with contextlib.suppress(OSError):  # that thread has just ended
+            for number in map(int, listing.read_text().split()):
+                with contextlib.suppress(OSError):  # that child has just ended
+                    state = Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0]
+                    command = Path(f"/proc/{number}/cmdline").read_bytes().replace(b"\0", b" ")
+                    if state != "Z":
+                        found[number] = command.decode(errors="replace").strip()
+    return found
 
 
 class Process:
@@ -245,10 +260,18 @@ class Stage:
         process.expect("ready")
         return process
 
-    def node(self, name: str, body: RobotBody | None = None, robot: RobotData = ROBOT) -> Node:
+    def node(
+        self,
+        name: str,
+        body: RobotBody | None = None,
+        robot: RobotData = ROBOT,
+        terminal: Terminal | None = None,
+        kept: Path | None = None,
+    ) -> Node:
         """Start a node inside this process, on a virtual board of its own unless a body is given."""
         body = body or VirtualHardware(name)
-        node = Node(Sessions(lambda: zbus.connect(self.endpoint)), name, body, robot).start()
+        sessions = Sessions(lambda: zbus.connect(self.endpoint))
+        node = Node(sessions, name, body, robot, terminal, kept).start()
         self._nodes.append(node)
         return node
 
