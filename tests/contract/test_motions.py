@@ -102,10 +102,6 @@ def test_the_reply_to_stop_has_the_exact_rest_position(robot: Robot) -> None:
     assert not robot.status().moving
 
 
-def test_the_reply_to_stop_at_rest_says_that_nothing_moves(robot: Robot) -> None:
-    assert "Nothing moves" in robot.stop().message
-
-
 REFUSALS = [
     ((120.0, 0.0, 0.0), 30.0, Reason.ARM_GAP, "30.0°"),
     ((200.0, 200.0, 200.0), 30.0, Reason.YAW_LIMIT, "180"),

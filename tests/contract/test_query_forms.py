@@ -32,19 +32,6 @@ def last_json(robot: Robot, selector: str, payload: bytes | None = None) -> dict
     return value
 
 
-@pytest.mark.parametrize(
-    ("parameters", "payload"),
-    [
-        ("?x=.05;y=.05;z=.05;speed_x=1;speed_y=1;speed_z=1", None),
-        ("", b'{"position":{"x":0.05,"y":0.05,"z":0.05}}'),
-    ],
-)
-def test_a_motion_in_text_is_answered_in_json(robot: Robot, parameters: str, payload: bytes | None) -> None:
-    reply = last_json(robot, key_of(robot, "motion") + parameters, payload)
-    assert (reply["result"], reply["phase"]) == (True, "done"), reply
-    assert robot.positions().commanded.short == pytest.approx(math.degrees(0.05), abs=0.09)
-
-
 def test_msgpack_of_another_library_is_answered_in_msgpack(robot: Robot) -> None:
     query = msgpack.packb({"absolute": True, "position": {"x": 0.02, "y": 0.02, "z": 0.02}})
     answers = ask_raw(robot.client, key_of(robot, "motion"), query, codec.MSGPACK)

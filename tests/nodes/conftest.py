@@ -33,9 +33,10 @@ def alone() -> Iterator[Stage]:
 
 @pytest.fixture
 def twin(stage: Stage) -> Iterator[Twin]:
-    """Both robots, enabled and calibrated."""
+    """Both robots, enabled and calibrated, without an emergency latch."""
     with Twin("bea", connect=stage.endpoint, who="ana", timeout_s=10.0) as made:
         made.stop()
+        made.reset()
         made.disable()
         made.enable()
         made.calibrate()
@@ -50,8 +51,7 @@ def place(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
         if request.param == "sim":
             stage.simulation("bea", "--legacy", str(path))
         else:
-            virtual = ("--port", "virtual:", "--legacy", str(path))
-            stage.process("hw_node", "--name", "bea", "--connect", stage.endpoint, *virtual).expect("ready")
+            stage.hardware("bea", "virtual:", "--legacy", str(path))
         yield Place(stage, request.param, path)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import signal
 import threading
 import time
@@ -18,9 +19,9 @@ from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated import serial
-from beatrix_zenoh.contract._generated.messages import Command, Fault, Reason
+from beatrix_zenoh.contract._generated.messages import Fault, Reason
 from beatrix_zenoh.node import Node
-from hw_node.body import VirtualHardware
+from hw_node.body import Hardware, VirtualHardware
 
 
 @pytest.fixture
@@ -127,6 +128,9 @@ def test_an_unplugged_board_ends_the_motion_and_is_found_again(stage: Stage, tmp
         board.unplug()
         with within(0.8, "the board is lost after 0.5 s, and shown"):
             wait_status(robot, lambda status: status.fault is Fault.BOARD_LOST, "board lost shown")
+        lost = robot.status()
+        assert (lost.enabled, lost.calibrated, lost.moving) == (False, False, False), "its state is unknown"
+        assert any("silent" in warning for warning in lost.warnings)
         with pytest.raises(Interrupted) as ended:
             motion.wait()
         assert ended.value.reason is Reason.BOARD_LOST
@@ -152,17 +156,16 @@ def test_a_motion_that_begins_just_after_stop_is_stopped_too(stage: Stage) -> No
 
 def test_a_new_node_shows_the_latch_of_the_board(stage: Stage, tmp_path: Path) -> None:
     with PtyBoard(tmp_path / "board") as board:
-        process = stage.hardware("bea", str(board.path))
-        ready(stage.robot("bea", "hw")).emergency_stop()
-        process.end()
-        stage.hardware("bea", str(board.path))
+        with contextlib.closing(stage.node("bea", Hardware(str(board.path)))):
+            ready(stage.robot("bea", "hw")).emergency_stop()
+        node = stage.node("bea", Hardware(str(board.path)))
         robot = stage.robot("bea", "hw", "ben")
         wait_status(robot, lambda status: status.fault is Fault.EMERGENCY, "latch found")
         with pytest.raises(Refused) as refused:
             robot.enable()
         assert refused.value.reason is Reason.EMERGENCY
-        robot.command(Command.RESET)
         ready(robot)
+        node.close()  # before its board
 
 
 def test_a_motion_accepted_after_its_client_has_given_up_is_stopped(stage: Stage) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
 
 import pytest
 from msgspec.structs import replace
@@ -11,13 +10,10 @@ from robots import Stage, ready, until
 from threaded_board import ThreadedHardware
 
 from beatrix_zenoh import Interrupted, Refused, Robot
-from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.board.state import Port
-from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import BoardState, FrameType, Telemetry
-from beatrix_zenoh.node import Node
 
 MOVES = (FrameType.MOVE, FrameType.MOVE_STRAIGHT)
 
@@ -71,37 +67,31 @@ class FaultyHardware(ThreadedHardware):
         return self.port
 
 
-class FaultyBoard(NamedTuple):
-    body: FaultyHardware
-    robot: Robot
-
-
 @pytest.fixture
-def faulty() -> Iterator[FaultyBoard]:
+def faulty() -> Iterator[tuple[FaultyPort, Robot]]:
     """A robot with its motors on and calibrated, on a faulty board."""
     with Stage() as stage:
         body = FaultyHardware("bea")
-        node = Node(Sessions(lambda: zbus.connect(stage.endpoint)), "bea", body).start()
-        try:
-            yield FaultyBoard(body, ready(stage.robot("bea", "hw")))
-        finally:
-            node.close()
+        stage.node("bea", body)
+        yield body.port, ready(stage.robot("bea", "hw"))
 
 
-def test_an_acknowledged_motion_that_is_not_made_ends_and_blocks_no_other(faulty: FaultyBoard) -> None:
-    body, robot = faulty
+def test_an_acknowledged_motion_that_is_not_made_ends_and_blocks_no_other(
+    faulty: tuple[FaultyPort, Robot],
+) -> None:
+    port, robot = faulty
     with pytest.raises(Interrupted, match="does not carry it out") as ended:
         robot.look(yaw=5, speed=60)
     assert ended.value.reason is Reason.BOARD_LOST
     assert robot.stop().result
-    body.port.drops_moves = False
+    port.drops_moves = False
     robot.look(yaw=5, speed=60)
     assert robot.positions().commanded.short == pytest.approx(5, abs=0.1)
 
 
-def test_an_unacknowledged_motion_that_is_made_is_stopped(faulty: FaultyBoard) -> None:
-    body, robot = faulty
-    body.port.drops_moves, body.port.no_acks = False, True
+def test_an_unacknowledged_motion_that_is_made_is_stopped(faulty: tuple[FaultyPort, Robot]) -> None:
+    port, robot = faulty
+    port.drops_moves, port.no_acks = False, True
     with pytest.raises(Refused, match="does not answer") as refused:
         robot.look(yaw=90)
     assert refused.value.reason is Reason.BOARD_LOST
@@ -109,15 +99,15 @@ def test_an_unacknowledged_motion_that_is_made_is_stopped(faulty: FaultyBoard) -
     assert robot.positions().commanded.short < 45
 
 
-def test_stop_fails_if_the_board_never_comes_to_rest(faulty: FaultyBoard) -> None:
-    body, robot = faulty
-    body.port.drops_moves, body.port.always_moving = False, True
+def test_stop_fails_if_the_board_never_comes_to_rest(faulty: tuple[FaultyPort, Robot]) -> None:
+    port, robot = faulty
+    port.drops_moves, port.always_moving = False, True
     until(lambda: robot.status().moving, "moving, by its status")
     with pytest.raises(
         Refused, match=r"^NOT stopped\. .*reports that the arms still move.*motor power off"
     ) as refused:
         robot.stop()
     assert refused.value.reason is Reason.FAULT
-    body.port.always_moving = False
+    port.always_moving = False
     until(lambda: not robot.status().moving, "at rest")
     assert robot.stop().result

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import signal
 from pathlib import Path
 
@@ -10,12 +11,8 @@ from old_programs import PATIENCE_S, Place, Program
 from pty_board import PtyBoard
 from robots import Stage, free_endpoint, ready, until, wait_status
 
-from beatrix_zenoh import Robot
-from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Fault
 from beatrix_zenoh.legacy import Terminal
-from beatrix_zenoh.node import Node
 from hw_node.body import Hardware
 
 pytestmark = pytest.mark.bodies("hw")
@@ -69,11 +66,9 @@ def test_lines_to_a_lost_board_are_answered_nack_and_its_return_clears_the_zero(
     alone: Stage, tmp_path: Path
 ) -> None:
     with PtyBoard(tmp_path / "board") as board:
-        sessions = Sessions(lambda: zbus.connect(alone.endpoint))
-        terminal = Terminal(tmp_path / "COM4")
-        node = Node(sessions, "bea", Hardware(str(tmp_path / "board")), terminal=terminal).start()
-        try:
-            robot: Robot = alone.robot("bea", "hw")
+        hardware, terminal = Hardware(str(tmp_path / "board")), Terminal(tmp_path / "COM4")
+        with contextlib.closing(alone.node("bea", hardware, terminal=terminal)):
+            robot = alone.robot("bea", "hw")
             wait_status(robot, lambda status: status.board.connected, "board there")
             program = Program(tmp_path / "COM4").begin()
             program.port.write(b"@MOVRALL 600 600 600\r@MOVRX 5 5\r")
@@ -90,5 +85,3 @@ def test_lines_to_a_lost_board_are_answered_nack_and_its_return_clears_the_zero(
             until(lambda: robot.status().holder == "", "free")
             ready(robot)
             program.port.close()
-        finally:
-            node.close()

@@ -47,7 +47,6 @@ def test_stopping_or_disabling_the_simulation_at_its_goal_ends_the_lead(
         motion.result(10)
     assert not motion.hardware_sent
     assert steps(twin.hw) == before
-    twin.reset()
 
 
 def test_abort_within_the_lead_stops_the_simulation_and_leaves_the_hardware_unmoved(twin: Twin) -> None:
