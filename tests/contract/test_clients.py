@@ -7,7 +7,7 @@ from typing import Self
 
 import pytest
 from bodies import Body
-from robots import ask_raw, until
+from robots import ask_raw, assert_fails, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh.bus import Query
@@ -28,9 +28,7 @@ def test_a_second_client_is_refused_with_the_holders_name_and_the_motion_continu
 ) -> None:
     other = body.robot("ben")
     motion = robot.look(yaw=8, speed=10, wait=False)
-    with pytest.raises(Refused, match="ana drives") as refusal:
-        other.look(yaw=-20)
-    assert refusal.value.reason is Reason.NOT_HOLDER
+    assert_fails(lambda: other.look(yaw=-20), Refused, Reason.NOT_HOLDER, "ana drives")
     for request in (other.disable, other.calibrate, other.home):
         with pytest.raises(Refused) as refusal:
             request()
@@ -46,9 +44,7 @@ def test_a_put_on_a_stop_key_stops_the_robot(robot: Robot, form: str) -> None:
     motion = robot.look(yaw=60, wait=False)
     until(lambda: robot.positions().commanded.short > 1, "moving")
     robot.client.bus.put(form.format(f"beatrix/{robot.name}/{robot.side}"), b"", "text/plain", "real_time")
-    with pytest.raises(Interrupted) as ended:
-        motion.wait()
-    assert ended.value.reason is Reason.STOPPED
+    assert_fails(motion.wait, Interrupted, Reason.STOPPED)
 
 
 @pytest.mark.parametrize("form", ["{}/stop", "{}/stop/ben", "beatrix/*/*/stop/ben", "beatrix/**/stop/ben"])
@@ -171,9 +167,7 @@ def test_a_stopped_seat_must_pause_before_it_moves_again(body: Body, robot: Robo
     until(lambda: robot.positions().commanded.short > 1, "moving")
     other.stop()
     rest = robot.positions().commanded
-    with pytest.raises(Refused, match="STOP") as refusal:
-        robot.look(yaw=40)
-    assert refusal.value.reason is Reason.STOPPED
+    assert_fails(lambda: robot.look(yaw=40), Refused, Reason.STOPPED, "STOP")
     assert robot.positions().commanded == rest
 
     def moves_again() -> bool:

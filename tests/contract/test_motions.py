@@ -7,7 +7,7 @@ import math
 import pytest
 from bodies import EVERY
 from late_tests import in_time
-from robots import ask_raw, until
+from robots import ask_raw, assert_fails, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, suggestion
 from beatrix_zenoh.client.request import ask
@@ -76,9 +76,7 @@ def test_a_motion_gets_two_replies_accepted_and_done(robot: Robot) -> None:
 def test_a_newer_motion_replaces_the_running_one(robot: Robot) -> None:
     first = robot.look(yaw=40, wait=False)
     robot.look(yaw=-5, speed=60)
-    with pytest.raises(Interrupted) as ended:
-        first.wait()
-    assert ended.value.reason is Reason.REPLACED
+    assert_fails(first.wait, Interrupted, Reason.REPLACED)
     assert_rests_at(robot, (-5, -5, -5))
 
 
@@ -96,9 +94,7 @@ def test_the_reply_to_stop_has_the_exact_rest_position(robot: Robot) -> None:
         rest.steps.z,
     )
     assert math.degrees(reply.position.x) < 30
-    with pytest.raises(Interrupted) as ended:
-        motion.wait()
-    assert ended.value.reason is Reason.STOPPED
+    assert_fails(motion.wait, Interrupted, Reason.STOPPED)
     assert not robot.status().moving
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import signal
@@ -10,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from old_programs import Program
-from robots import Process, Stage, children, free_endpoint, start_router, until
+from robots import Process, Stage, children, free_endpoint, until
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
@@ -46,16 +47,24 @@ def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.fixture
-def up(endpoint: str, temporary: Path) -> Iterator[Process]:
-    """`beatrix up`, with router and virtual robot."""
-    process = Process(*CLI, "up", "--connect", endpoint, "--name", "bea", "--no-sim", "--hw", "virtual:")
+@contextlib.contextmanager
+def running_up(endpoint: str, *options: str) -> Iterator[Process]:
+    """Run `beatrix up` with a virtual robot; kill it if the test has not ended it."""
+    robot = ("--name", "bea", "--no-sim", "--hw", "virtual:")
+    process = Process(*CLI, "up", "--connect", endpoint, *robot, *options)
     try:
-        process.expect("router")
-        process.expect("The output of all processes")
         yield process
     finally:
         process.end(signal.SIGKILL)
+
+
+@pytest.fixture
+def up(endpoint: str, temporary: Path) -> Iterator[Process]:
+    """`beatrix up`, with router and virtual robot."""
+    with running_up(endpoint) as process:
+        process.expect("router")
+        process.expect("The output of all processes")
+        yield process
 
 
 ELSEWHERE = "tcp/192.0.2.7:7447"
@@ -123,31 +132,22 @@ def test_up_starts_a_crashed_robot_again_once(up: Process, endpoint: str) -> Non
     assert up.end(signal.SIGINT) == 0
 
 
-def test_up_uses_a_running_router_and_leaves_it_running(endpoint: str) -> None:
-    router = start_router(endpoint)
-    up = Process(*CLI, "up", "--connect", endpoint, "--name", "bea", "--no-sim", "--hw", "virtual:", "--json")
-    try:
+def test_up_uses_a_running_router_and_leaves_it_running(alone: Stage) -> None:
+    with running_up(alone.endpoint, "--json") as up:
         document = json.loads(up.expect("{"))
         assert document["running"] == ["hardware"]
-        with zbus.connect(endpoint) as bus:
+        with zbus.connect(alone.endpoint) as bus:
             assert bus.robots() == [("bea", "hw")]
         assert up.end(signal.SIGINT) == 0
-        zbus.connect(endpoint).close()
-    finally:
-        router.end()
-        up.end(signal.SIGKILL)
+        zbus.connect(alone.endpoint).close()
 
 
 def test_up_gives_old_programs_a_port(endpoint: str, tmp_path: Path) -> None:
     path = tmp_path / "ttyACM0"
-    robots = ("--name", "bea", "--hw", "virtual:", "--no-sim", "--legacy", str(path))
-    up = Process(*CLI, "up", "--connect", endpoint, *robots)
-    try:
+    with running_up(endpoint, "--legacy", str(path)) as up:
         assert up.expect("Programs of 2023 open") == f"Programs of 2023 open {path} and drive the hardware."
         program = Program(path)
         assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
         program.port.close()
         assert up.end(signal.SIGINT) == 0
         assert not path.is_symlink()
-    finally:
-        up.end(signal.SIGKILL)

@@ -9,8 +9,10 @@ import sys
 
 import pytest
 from robots import END_S
-from shell import NAME, Shell, another
+from shell import NAME, Shell
 
+from beatrix_zenoh import bus as zbus
+from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import CONTRACT
 
 
@@ -99,7 +101,8 @@ def test_look_on_both_robots_is_previewed_and_turns_both(shell: Shell) -> None:
 
 
 def test_a_request_without_a_name_is_refused_with_the_names_of_all_robots(shell: Shell) -> None:
-    with another(shell, "bea4"):
+    with zbus.connect(shell.endpoint) as bus:
+        bus.declare_token(keys.alive("bea4", "hw"))
         done = shell.run("look", "--yaw", "5")
     assert (done.returncode, f"{NAME}, bea4" in done.stderr) == (1, True)
 

@@ -3,21 +3,29 @@
 from __future__ import annotations
 
 import os
+import shutil
 import signal
 import subprocess
+import time
 from collections.abc import Iterator
 
 import numpy as np
 import numpy.typing as npt
 import pytest
+import simplejpeg
 from robots import Process, Stage, children, until
-from simulated_pictures import FIRST_S, fresh
 
 from beatrix_zenoh import Robot
+from beatrix_zenoh.client import CameraImage
+from beatrix_zenoh.client.subscription import Subscription
 from beatrix_zenoh.contract._generated.messages import Reason
 from sim_node import eyes, gl
 from sim_node.body import Simulation
+from sim_node.renderer import HEIGHT, WIDTH
 from sim_node.target import HOME
+
+FIRST_S = 60.0
+"""Longest wait (s) for the first picture, for which the node tests and starts a renderer."""
 
 
 @pytest.fixture(scope="module")
@@ -42,6 +50,16 @@ def robot(stage: Stage, sim: Process) -> Iterator[Robot]:
 
 def renderers(process: int) -> list[int]:
     return [number for number, command in children(process).items() if "sim_node.renderer" in command]
+
+
+def fresh(images: Subscription[CameraImage]) -> npt.NDArray[np.uint8]:
+    """Return a picture that was taken after this call; shape (height, width, 3)."""
+    now_ns = time.monotonic_ns()
+    while (image := images.next(FIRST_S)).t_mono_ns <= now_ns:
+        pass
+    assert (image.width, image.height) == (WIDTH, HEIGHT)
+    picture: npt.NDArray[np.uint8] = simplejpeg.decode_jpeg(image.jpeg)
+    return picture
 
 
 def person(picture: npt.NDArray[np.uint8]) -> tuple[float, float]:
@@ -144,23 +162,14 @@ def test_without_a_display_the_viewer_prints_one_sentence_and_returns_1(stage: S
 @pytest.fixture
 def display(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """A virtual screen."""
-    read, write = os.pipe()
-    try:
-        screen = subprocess.Popen(
-            ["Xvfb", "-displayfd", str(write), "-screen", "0", "640x480x24", "-nolisten", "tcp"],
-            pass_fds=(write,),
-            stderr=subprocess.DEVNULL,
-        )
-    except FileNotFoundError:
-        os.close(read)
-        os.close(write)
+    if shutil.which("Xvfb") is None:
         pytest.skip("no virtual screen on this machine")
-    os.close(write)
-    with os.fdopen(read) as output:
-        monkeypatch.setenv("DISPLAY", f":{output.readline().strip()}")
-    yield
-    screen.terminate()
-    screen.wait(10)
+    words = ["Xvfb", "-displayfd", "1", "-screen", "0", "640x480x24", "-nolisten", "tcp"]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as screen:
+        assert screen.stdout is not None
+        monkeypatch.setenv("DISPLAY", f":{screen.stdout.readline().strip()}")
+        yield
+        screen.terminate()
 
 
 @pytest.fixture(scope="module")

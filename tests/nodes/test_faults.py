@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from late_tests import within
 from pty_board import PtyBoard
-from robots import Stage, ready, until, wait_status
+from robots import Stage, assert_fails, ready, until, wait_status
 
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot
 from beatrix_zenoh import bus as zbus
@@ -68,9 +68,7 @@ def test_a_killed_node_is_lost_at_once_and_may_return(stage: Stage) -> None:
     robot = ready(stage.robot("bea", "hw"))
     motion = robot.look(yaw=30, wait=False)
     process.end(signal.SIGKILL)
-    with pytest.raises(NoAnswer) as lost:
-        motion.wait()
-    assert lost.value.reason is Reason.NODE_LOST
+    assert_fails(motion.wait, NoAnswer, Reason.NODE_LOST)
     stage.node("bea")
     assert not robot.status().calibrated, "the home of a restarted board is not known"
     ready(robot).look(yaw=2, speed=60)
@@ -131,9 +129,7 @@ def test_an_unplugged_board_ends_the_motion_and_is_found_again(stage: Stage, tmp
         lost = robot.status()
         assert (lost.enabled, lost.calibrated, lost.moving) == (False, False, False), "its state is unknown"
         assert any("silent" in warning for warning in lost.warnings)
-        with pytest.raises(Interrupted) as ended:
-            motion.wait()
-        assert ended.value.reason is Reason.BOARD_LOST
+        assert_fails(motion.wait, Interrupted, Reason.BOARD_LOST)
         with pytest.raises((Refused, NoAnswer), match="board"):
             robot.look(yaw=2)
         board.plug()
@@ -149,9 +145,7 @@ def test_a_motion_that_begins_just_after_stop_is_stopped_too(stage: Stage) -> No
     motion = robot.look(yaw=40, wait=False)
     until(lambda: robot.positions().commanded.short > 1, "moving")
     node.controller.stop_sent()  # as if STOP had reached the board before the motion
-    with pytest.raises(Interrupted) as ended:
-        motion.wait()
-    assert ended.value.reason is Reason.STOPPED
+    assert_fails(motion.wait, Interrupted, Reason.STOPPED)
 
 
 def test_a_new_node_shows_the_latch_of_the_board(stage: Stage, tmp_path: Path) -> None:
@@ -161,9 +155,7 @@ def test_a_new_node_shows_the_latch_of_the_board(stage: Stage, tmp_path: Path) -
         node = stage.node("bea", Hardware(str(board.path)))
         robot = stage.robot("bea", "hw", "ben")
         wait_status(robot, lambda status: status.fault is Fault.EMERGENCY, "latch found")
-        with pytest.raises(Refused) as refused:
-            robot.enable()
-        assert refused.value.reason is Reason.EMERGENCY
+        assert_fails(robot.enable, Refused, Reason.EMERGENCY)
         ready(robot)
         node.close()  # before its board
 
@@ -195,9 +187,7 @@ def test_a_board_of_another_contract_is_not_moved_but_accepts_stop(
     stage.node("bea")
     robot = stage.robot("bea", "hw")
     for ask in (robot.enable, robot.calibrate, robot.home, lambda: robot.look(yaw=1)):
-        with pytest.raises(Refused, match="`beatrix flash`") as refused:
-            ask()
-        assert refused.value.reason is Reason.CONTRACT_MISMATCH
+        assert_fails(ask, Refused, Reason.CONTRACT_MISMATCH, "`beatrix flash`")
     status = robot.status()
     assert (status.fault, "`beatrix flash`" in status.warnings[0]) == (Fault.CONTRACT_MISMATCH, True)
     for stop in (robot.stop, robot.emergency_stop):

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator
 
 import pytest
 from msgspec.structs import replace
-from robots import Stage, ready, until
-from threaded_board import ThreadedHardware
+from robots import Stage, assert_fails, ready, until
+from ticking_board import RealTimeTicker
 
 from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh.board.link import Decoder, encode
-from beatrix_zenoh.board.state import Port
+from beatrix_zenoh.board.virtual import Firmware, VirtualBoard
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import BoardState, FrameType, Telemetry
+from hw_node.body import Hardware
 
 MOVES = (FrameType.MOVE, FrameType.MOVE_STRAIGHT)
 
@@ -28,8 +30,8 @@ class FaultyPort:
     name = "faulty:"
     boot_s = 0.0
 
-    def __init__(self, port: Port) -> None:
-        self._port = port
+    def __init__(self) -> None:
+        self.board = VirtualBoard(Firmware(boot=1, name="bea"))
         self._decoder = Decoder()
         self._sent = b""
         self.drops_moves, self.no_acks, self.always_moving = True, False, False
@@ -40,15 +42,15 @@ class FaultyPort:
             if self.drops_moves and frame.type in MOVES:
                 self._sent += encode(frame.type | FrameType.ACK, frame.seq, b"\0")
             else:
-                self._port.write(encode(frame.type, frame.seq, frame.payload))
+                self.board.write(encode(*frame))
         return b""
 
     def wake(self) -> None:
-        self._port.wake()
+        self.board.wake()
 
     def read(self, timeout_s: float) -> bytes:
         sent, self._sent = self._sent, b""
-        for frame in self._answers.feed(self._port.read(timeout_s)):
+        for frame in self._answers.feed(self.board.read(timeout_s)):
             payload = frame.payload
             if self.always_moving and frame.type == FrameType.TELEMETRY:
                 telemetry = Telemetry.unpack(payload)
@@ -61,28 +63,22 @@ class FaultyPort:
         """Keep the board running."""
 
 
-class FaultyHardware(ThreadedHardware):
-    def open_port(self) -> Port:
-        self.port = FaultyPort(super().open_port())
-        return self.port
-
-
 @pytest.fixture
-def faulty() -> Iterator[tuple[FaultyPort, Robot]]:
+def faulty(monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[FaultyPort, Robot]]:
     """A robot with its motors on and calibrated, on a faulty board."""
-    with Stage() as stage:
-        body = FaultyHardware("bea")
-        stage.node("bea", body)
-        yield body.port, ready(stage.robot("bea", "hw"))
+    port, hardware = FaultyPort(), Hardware(FaultyPort.name)
+    monkeypatch.setattr(hardware, "open_port", lambda: port)
+    with Stage() as stage, contextlib.closing(RealTimeTicker(port.board)):
+        stage.node("bea", hardware)
+        yield port, ready(stage.robot("bea", "hw"))
+        stage.end_nodes()
 
 
 def test_an_acknowledged_motion_that_is_not_made_ends_and_blocks_no_other(
     faulty: tuple[FaultyPort, Robot],
 ) -> None:
     port, robot = faulty
-    with pytest.raises(Interrupted, match="does not carry it out") as ended:
-        robot.look(yaw=5, speed=60)
-    assert ended.value.reason is Reason.BOARD_LOST
+    assert_fails(lambda: robot.look(yaw=5, speed=60), Interrupted, Reason.BOARD_LOST, "does not carry it out")
     assert robot.stop().result
     port.drops_moves = False
     robot.look(yaw=5, speed=60)
@@ -92,9 +88,7 @@ def test_an_acknowledged_motion_that_is_not_made_ends_and_blocks_no_other(
 def test_an_unacknowledged_motion_that_is_made_is_stopped(faulty: tuple[FaultyPort, Robot]) -> None:
     port, robot = faulty
     port.drops_moves, port.no_acks = False, True
-    with pytest.raises(Refused, match="does not answer") as refused:
-        robot.look(yaw=90)
-    assert refused.value.reason is Reason.BOARD_LOST
+    assert_fails(lambda: robot.look(yaw=90), Refused, Reason.BOARD_LOST, "does not answer")
     until(lambda: not robot.status().moving, "at rest")
     assert robot.positions().commanded.short < 45
 

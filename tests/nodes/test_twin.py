@@ -8,7 +8,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from robots import Stage, until
+from robots import Stage, assert_fails, until
 
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot, Twin
 from beatrix_zenoh.client.choreography import ArmPose, Choreography, Pose, play
@@ -67,7 +67,11 @@ def test_in_lockstep_both_robots_wait_for_the_slower_one(twin: Twin, monkeypatch
 
     twin.hw.look(yaw=-40, speed=90)
     monkeypatch.setattr(Robot, "begin", record)
-    poses = [Pose(0.0, 4, 0, 0, 60), Pose(0.8, 8, 0, 0, 60), ArmPose(1.6, 10, 10, 10, 60)]
+    poses: list[Pose | ArmPose] = [
+        Pose(0.0, 4, 0, 0, 60),
+        Pose(0.8, 8, 0, 0, 60),
+        ArmPose(1.6, 10, 10, 10, 60),
+    ]
     titles: list[str] = []
     play(
         twin,
@@ -106,9 +110,7 @@ def test_only_a_relative_plan_needs_both_robots_at_one_position(twin: Twin) -> N
 def test_hardware_that_may_not_move_is_detected_before_the_simulation_moves(twin: Twin) -> None:
     plan = twin.preview(yaw=60)
     twin.hw.disable()
-    with pytest.raises(Refused, match=r"bea \(hw\): The motors are off") as refusal:
-        plan.commit()
-    assert refusal.value.reason is Reason.NOT_ENABLED
+    assert_fails(plan.commit, Refused, Reason.NOT_ENABLED, r"bea \(hw\): The motors are off")
     before = twin.sim.status().motion
     assert "committed" not in repr(plan)
     assert (twin.sim.status().motion, commanded(twin.sim)) == (before, (0, 0, 0))
@@ -140,9 +142,7 @@ def test_a_late_refusal_of_the_hardware_stops_the_simulation(
     monkeypatch.setattr("beatrix_zenoh.client.twin_state.may_move", lambda *_, moves: None)  # noqa: ARG005
     plan = twin.preview(yaw=60)
     twin.hw.disable()
-    with pytest.raises(Refused) as refusal:
-        plan.commit()
-    assert refusal.value.reason is Reason.NOT_ENABLED
+    assert_fails(plan.commit, Refused, Reason.NOT_ENABLED)
     assert not twin.sim.status().moving
     assert commanded(twin.sim)[0] < 30
 

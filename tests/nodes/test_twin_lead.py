@@ -6,7 +6,7 @@ import signal
 from collections.abc import Callable
 
 import pytest
-from robots import Stage, until
+from robots import Stage, assert_fails, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, Twin
 from beatrix_zenoh.client.request import ask
@@ -113,9 +113,7 @@ def test_stop_at_either_robot_within_the_lead_ends_the_motion(stage: Stage, twin
     motion = twin.preview(yaw=90).commit(lead_s=5, wait=False)
     moves(twin.sim)
     other.stop()
-    with pytest.raises(Interrupted, match=r"(?s)STOP.*bea \(hw\): not moved") as end:
-        motion.result(4)
-    assert end.value.reason is Reason.STOPPED
+    assert_fails(lambda: motion.result(4), Interrupted, Reason.STOPPED, r"(?s)STOP.*bea \(hw\): not moved")
     assert steps(twin.hw) == before
     assert not twin.sim.status().moving
 

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import itertools
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
 from robots import Stage, ready, until
 from web_client import WebClient, WebSocket, online, serving
-from web_holds import PRESSES, hold_button, jog
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import Command, Source
 from gui.page.handlers import MESSAGES_MAX
 
 NAMES = itertools.count(1)
+PRESSES = itertools.count(1)
+"""Numbers of presses; a page counts its presses, and a heartbeat names its press."""
+SPEED_DEG_S = 20.0
 
 
 @pytest.fixture(scope="module")
@@ -87,6 +89,36 @@ def stops_on_the_way(robot: Robot) -> None:
     """Wait until the robot rests; it is not at home yet."""
     until(lambda: not robot.status().moving, "at rest")
     assert abs(robot.positions().head.yaw) > 1.0
+
+
+def hold_button(page: WebSocket, part: str, holds: Callable[[dict[str, Any]], bool], what: str) -> None:
+    """Hold a button until a view fulfils `holds`, with a heartbeat for each message."""
+    press = next(PRESSES)
+
+    def held(view: dict[str, Any]) -> bool:
+        nonlocal press
+        if holds(view):
+            return True
+        if view["you"]["over"] >= press and _says_why(view):
+            press = next(PRESSES)
+        page.send("hold", press=press, part=part, sign=1)
+        return False
+
+    page.send("Choose", name="speed", value=SPEED_DEG_S)
+    page.state(held, what)
+    page.send("release", press=press)
+
+
+def _says_why(view: dict[str, Any]) -> bool:
+    """Return whether the user reads why a press has ended, for example because no heartbeat arrived in time."""
+    row = view["history"][0]
+    stopped = row["good"] is False and "allowed" not in row["result"]  # a limit is shown beside the button
+    return bool(view["you"]["notice"] or view["head"]["refusal"] or stopped)
+
+
+def jog(page: WebSocket, part: str, moved: float) -> None:
+    """Hold the + button of an axis until its absolute angle is above `moved` (deg)."""
+    hold_button(page, part, lambda view: abs(view["head"]["hw"][part]) > moved, "moved")
 
 
 # -- driving -------------------------------------------------------------------------------------------

@@ -202,7 +202,9 @@ class ClassRouter:
         end()
 
     def close(self) -> None:
-        for session in (*self._clients, *self._sessions.values()):
+        for client in self._clients:
+            client.close()
+        for session in self._sessions.values():
             session.close()
         for process in reversed(self._processes):
             process.end(signal.SIGTERM)

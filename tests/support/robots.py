@@ -14,12 +14,15 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Self
 
+import pytest
+
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Reply, Sessions
 from beatrix_zenoh.client import Client
-from beatrix_zenoh.contract._generated.messages import Status
+from beatrix_zenoh.contract._generated.messages import Reason, Status
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.legacy import Terminal
 from beatrix_zenoh.node import Node
 from beatrix_zenoh.node.node import RobotBody
@@ -324,6 +327,15 @@ def ready(robot: Robot) -> Robot:
     robot.enable()
     robot.calibrate()
     return robot
+
+
+def assert_fails(
+    request: Callable[[], object], kind: type[BeatrixError], reason: Reason, match: str | None = None
+) -> None:
+    """Assert that a request ends with an error of this kind and reason, whose message matches."""
+    with pytest.raises(kind, match=match) as error:
+        request()
+    assert error.value.reason is reason
 
 
 def wait_status(robot: Robot, holds: Callable[[Status], bool], what: str, timeout_s: float = EVENT_S) -> None:
