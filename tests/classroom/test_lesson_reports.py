@@ -9,7 +9,7 @@ import pytest
 from class_router import ClassRouter, replies, use_account
 from patient_connections import patiently
 from robots import until
-from shell import beatrix
+from shell import good
 
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.client import lesson_reports as reports
@@ -27,12 +27,6 @@ PASSED = Record(tries=2, passed=["0" * 64])
 def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
     with ClassRouter(tmp_path_factory.mktemp("class")) as made:
         yield made
-
-
-def good(*words: str) -> str:
-    done = beatrix(*words)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
 
 
 @pytest.fixture(scope="module")

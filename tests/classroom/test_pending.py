@@ -11,7 +11,7 @@ import pytest
 from class_router import ClassRouter, start_node
 from patient_connections import PATIENCE_S, patiently
 from robots import until
-from shell import beatrix
+from shell import beatrix, good
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.classroom.pending import Kept, decide, words
@@ -52,12 +52,6 @@ def test_for_a_robot_online_only_what_it_has_not_taken_is_replaced() -> None:
     decide(found, BEA2, LIMIT, online=True)
     decide(found, BEA2, UNMUTE, online=True)
     assert [*found[BEA2].values()] == [UNMUTE], "the mute may be on its way"
-
-
-def good(*command: str) -> str:
-    done = beatrix(*command)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
 
 
 @pytest.mark.long("restarts a class")

@@ -7,25 +7,18 @@ import math
 import pytest
 from bodies import EVERY
 from late_tests import in_time
-from robots import ask_raw, assert_fails, until
+from robots import ask_raw, assert_fails, raw_positions, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, suggestion
-from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import MotionReply, Phase, PoseQuery, Positions, Reason
+from beatrix_zenoh.contract._generated.messages import MotionReply, Phase, PoseQuery, Reason
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.motion.kinematics import Neck
 
 pytestmark = pytest.mark.bodies(*EVERY)
 STEP_DEG = 360 / Gear().steps_per_turn
 MEASURED_DEG = 0.25
-
-
-def raw_positions(robot: Robot) -> Positions:
-    """Return the positions in rad, with steps."""
-    key = keys.positions(robot.name, robot.side)
-    return ask(robot.client, robot.place, key, None, Positions, 2.0)
 
 
 def near(angles: tuple[float, ...], wanted: tuple[float, ...], tolerance: float) -> bool:

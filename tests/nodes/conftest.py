@@ -24,6 +24,13 @@ def stage(bea: Stage) -> Iterator[Stage]:
     bea.close_clients()
 
 
+@pytest.fixture(scope="module")
+def router() -> Iterator[Stage]:
+    """A router without robots for the tests of a file."""
+    with Stage() as made:
+        yield made
+
+
 @pytest.fixture
 def alone() -> Iterator[Stage]:
     """A router for one test."""

@@ -101,7 +101,6 @@ def test_a_renderer_that_crashes_or_hangs_affects_only_the_pictures(stage: Stage
         fresh(images)
         assert not any(eye.trouble for eye in robot.status().cameras)
         assert renderer not in renderers(sim.pid)
-    robot.client.close()
     assert sim.end() == 0
 
 
@@ -144,8 +143,6 @@ def test_simulations_of_one_process_share_a_renderer_that_the_last_of_them_ends(
         assert len(renderers(both.pid)) == 1
         assert not np.array_equal(seen_by_one, seen_by_two), "each sees its own person"
     assert both.end() == 0
-    one.client.close()
-    two.client.close()
 
 
 def test_without_a_display_the_viewer_prints_one_sentence_and_returns_1(stage: Stage) -> None:
@@ -191,7 +188,6 @@ def test_closing_the_window_does_not_disturb_the_robot(counted: Stage) -> None:
     os.kill(window, signal.SIGKILL)
     assert motion.result(10.0).result
     assert robot.positions().head.yaw == pytest.approx(10, abs=0.5)
-    robot.client.close()
     assert sim.end() == 0
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
 
@@ -24,16 +23,10 @@ BEFORE = 100
 
 
 @pytest.fixture(scope="module")
-def stage() -> Iterator[Stage]:
-    with Stage() as made:
-        yield made
-
-
-@pytest.fixture(scope="module")
-def process(stage: Stage) -> Process:
+def process(router: Stage) -> Process:
     """Several simulations in one process."""
     words = [word for name in NAMES for word in ("--name", name)]
-    process = stage.script(SCRIPT, *words, "--ready", "--connect", stage.endpoint, listens=True)
+    process = router.script(SCRIPT, *words, "--ready", "--connect", router.endpoint, listens=True)
     for name in NAMES:
         process.expect(f"ready {keys.alive(name, 'sim')}")
     return process
@@ -45,12 +38,12 @@ def longest_gap_s(positions: list[Positions]) -> float:
 
 
 @pytest.mark.measures_time
-def test_a_robot_that_fails_stays_down_and_the_others_go_on(stage: Stage, process: Process) -> None:
+def test_a_robot_that_fails_stays_down_and_the_others_go_on(router: Stage, process: Process) -> None:
     """One robot fails in the thread that all share, one in a thread of its own."""
-    others = [published_positions(stage.robot(name, "sim", "watcher")) for name in ("ada", "fay")]
+    others = [published_positions(router.robot(name, "sim", "watcher")) for name in ("ada", "fay")]
     until(lambda: all(len(one.all) > BEFORE for one in others), "positions of the others")
     before_s = max(longest_gap_s(one.all) for one in others)
-    ada, eva = ready(stage.robot("ada", "sim")), ready(stage.robot("eva", "sim"))
+    ada, eva = ready(router.robot("ada", "sim")), ready(router.robot("eva", "sim"))
     process.say("raise bob")
     process.expect("bob: It has failed (RuntimeError: put in by a test) and stays down")
     process.say("calibrate eva")
@@ -59,7 +52,7 @@ def test_a_robot_that_fails_stays_down_and_the_others_go_on(stage: Stage, proces
     for one in others:
         gap_s = longest_gap_s(one.all[BEFORE:])
         in_time(gap_s, max(GAP_S, 2 * before_s), f"gap in the positions of {one.robot}")
-    assert [name for name, _ in stage.client().bus.robots()] == ["ada", "fay"]
+    assert [name for name, _ in router.client().bus.robots()] == ["ada", "fay"]
     assert ada.status().calibrated
     assert process.end() == 70
 

@@ -48,12 +48,6 @@ def device(monkeypatch: pytest.MonkeyPatch) -> FakeDevice:
     return FakeDevice()
 
 
-@pytest.fixture(scope="module")
-def router() -> Iterator[Stage]:
-    with Stage() as stage:
-        yield stage
-
-
 @pytest.fixture
 def robot(router: Stage, device: FakeDevice) -> Iterator[Robot]:
     node = router.node("bea", VirtualHardware("bea", sensors=[lambda node: microphone_sensor(node, device)]))

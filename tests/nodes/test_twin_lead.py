@@ -6,22 +6,14 @@ import signal
 from collections.abc import Callable
 
 import pytest
-from robots import Stage, assert_fails, until
+from robots import Stage, assert_fails, raw_positions, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, Twin
-from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.subscription import Subscription
 from beatrix_zenoh.client.twin_motion import TwinMotion
-from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Positions, Reason, Steps
+from beatrix_zenoh.contract._generated.messages import Positions, Reason
 from beatrix_zenoh.contract.errors import NoAnswer
 from sim_node.body import Simulation
-
-
-def steps(robot: Robot) -> Steps:
-    """Return the set points of a robot, in steps."""
-    key = keys.positions(robot.name, robot.side)
-    return ask(robot.client, robot.place, key, None, Positions, robot.timeout_s).steps
 
 
 def number_of_a_motion(twin: Twin) -> int:
@@ -38,7 +30,7 @@ def moves(robot: Robot) -> None:
 def test_stopping_or_disabling_the_simulation_at_its_goal_ends_the_lead(
     stage: Stage, twin: Twin, act: Callable[[Robot], object]
 ) -> None:
-    before = steps(twin.hw)
+    before = raw_positions(twin.hw).steps
     motion = twin.preview(yaw=10, speed=60).commit(lead_s=2.5, wait=False)
     until(lambda: twin.sim.positions().commanded.short == pytest.approx(10, abs=0.1), "there")
     teacher = stage.robot("bea", "sim", "teacher")
@@ -46,11 +38,11 @@ def test_stopping_or_disabling_the_simulation_at_its_goal_ends_the_lead(
     with pytest.raises((Interrupted, Refused)):
         motion.result(10)
     assert not motion.hardware_sent
-    assert steps(twin.hw) == before
+    assert raw_positions(twin.hw).steps == before
 
 
 def test_abort_within_the_lead_stops_the_simulation_and_leaves_the_hardware_unmoved(twin: Twin) -> None:
-    before, number = steps(twin.hw), twin.hw.status().motion
+    before, number = raw_positions(twin.hw).steps, twin.hw.status().motion
     plan = twin.preview(yaw=90)
     motion = plan.commit(lead_s=5, wait=False)
     moves(twin.sim)
@@ -66,7 +58,7 @@ def test_abort_within_the_lead_stops_the_simulation_and_leaves_the_hardware_unmo
     assert end.value.reason is Reason.STOPPED
     assert not motion.cancel()
     assert not twin.sim.status().moving
-    assert (steps(twin.hw), twin.hw.status().motion) == (before, number)
+    assert (raw_positions(twin.hw).steps, twin.hw.status().motion) == (before, number)
 
 
 def first_move_ns(positions: Subscription[Positions]) -> int:
@@ -108,13 +100,13 @@ def test_a_plan_committed_within_the_lead_replaces_the_previous_one(twin: Twin) 
 
 @pytest.mark.parametrize("side", ["sim", "hw"])
 def test_stop_at_either_robot_within_the_lead_ends_the_motion(stage: Stage, twin: Twin, side: str) -> None:
-    before = steps(twin.hw)
+    before = raw_positions(twin.hw).steps
     other = stage.robot("bea", side, "ben")
     motion = twin.preview(yaw=90).commit(lead_s=5, wait=False)
     moves(twin.sim)
     other.stop()
     assert_fails(lambda: motion.result(4), Interrupted, Reason.STOPPED, r"(?s)STOP.*bea \(hw\): not moved")
-    assert steps(twin.hw) == before
+    assert raw_positions(twin.hw).steps == before
     assert not twin.sim.status().moving
 
 

@@ -23,15 +23,8 @@ from gui.page.server import ADDRESS_MAX
 
 
 @pytest.fixture(scope="module")
-def stage() -> Iterator[Stage]:
-    """A router without robots."""
-    with Stage() as made:
-        yield made
-
-
-@pytest.fixture(scope="module")
-def port(stage: Stage) -> Iterator[int]:
-    with serving(stage.endpoint) as made:
+def port(router: Stage) -> Iterator[int]:
+    with serving(router.endpoint) as made:
         yield made
 
 
@@ -123,8 +116,8 @@ def test_the_web_socket_of_a_page_that_floods_is_closed(browser: WebClient) -> N
     assert page.code == 4001
 
 
-def test_too_many_connections_of_an_address_are_closed(stage: Stage) -> None:
-    with serving(stage.endpoint) as port, contextlib.ExitStack() as flood:
+def test_too_many_connections_of_an_address_are_closed(router: Stage) -> None:
+    with serving(router.endpoint) as port, contextlib.ExitStack() as flood:
         made = [
             flood.enter_context(socket.create_connection(("127.0.0.1", port))) for _ in range(ADDRESS_MAX + 1)
         ]
@@ -147,10 +140,10 @@ def served(browser: WebClient) -> bool:
 
 
 @pytest.fixture
-def locked(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> Iterator[WebClient]:
+def locked(router: Stage, monkeypatch: pytest.MonkeyPatch) -> Iterator[WebClient]:
     """A browser of a server with a PIN. The server uses loopback only, because tests must not open other ports."""
     monkeypatch.setattr(server, "ALL", server.LOOPBACK)
-    with serving(stage.endpoint, pin=PIN) as port, WebClient(port) as made:
+    with serving(router.endpoint, pin=PIN) as port, WebClient(port) as made:
         yield made
 
 
@@ -177,8 +170,8 @@ def test_a_pin_of_a_foreign_page_is_not_checked(locked: WebClient) -> None:
 # -- the verb ------------------------------------------------------------------------------------------
 
 
-def test_the_verb_prints_its_url_and_ends_with_ctrl_c(stage: Stage) -> None:
-    words = ("--connect", stage.endpoint, "--who", "ana", "--port", str(free_port()))
+def test_the_verb_prints_its_url_and_ends_with_ctrl_c(router: Stage) -> None:
+    words = ("--connect", router.endpoint, "--who", "ana", "--port", str(free_port()))
     process = Process(*CLI, "web", *words)
     process.expect(f"ready http://127.0.0.1:{words[-1]}/")
     assert process.end(signal.SIGINT) == 0
@@ -193,10 +186,10 @@ def test_the_verb_prints_its_url_and_ends_with_ctrl_c(stage: Stage) -> None:
     ],
 )
 def test_the_error_of_the_verb_names_the_cause(
-    stage: Stage, port: int, words: tuple[str, ...], code: int, sentence: str
+    router: Stage, port: int, words: tuple[str, ...], code: int, sentence: str
 ) -> None:
     given = [word.format(port=port, free=free_port()) for word in words]
-    more = [] if "--connect" in words else ["--connect", stage.endpoint]
+    more = [] if "--connect" in words else ["--connect", router.endpoint]
     done = beatrix("web", *more, *given)
     assert done.returncode == code
     assert sentence in done.stderr
@@ -208,7 +201,7 @@ async def announce(*_: object, **given: Any) -> None:
 
 
 def test_with_lan_the_verb_prints_a_pin_but_never_that_of_the_environment(
-    stage: Stage, monkeypatch: pytest.MonkeyPatch
+    router: Stage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(web, "own_address", lambda: "192.168.1.20")
     monkeypatch.setattr(server, "serve", announce)

@@ -20,7 +20,9 @@ from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Reply, Sessions
 from beatrix_zenoh.client import Client
-from beatrix_zenoh.contract._generated.messages import Reason, Status
+from beatrix_zenoh.client.request import ask
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Positions, Reason, Status
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.legacy import Terminal
@@ -263,6 +265,13 @@ class Stage:
         process.expect("ready")
         return process
 
+    def recorder(self, path: Path, *options: str) -> Process:
+        """Start `beatrix record`; return when it is ready."""
+        words = ("record", str(path), "--connect", self.endpoint, *options)
+        process = self.process("beatrix_zenoh.cli", *words)
+        process.expect("ready")
+        return process
+
     def node(
         self,
         name: str,
@@ -341,6 +350,12 @@ def assert_fails(
 def wait_status(robot: Robot, holds: Callable[[Status], bool], what: str, timeout_s: float = EVENT_S) -> None:
     """Wait until the robot's status fulfils `holds`."""
     until(lambda: holds(robot.status()), what, timeout_s)
+
+
+def raw_positions(robot: Robot) -> Positions:
+    """Query the positions of a robot as it sends them, in rad and steps."""
+    key = keys.positions(robot.name, robot.side)
+    return ask(robot.client, robot.place, key, None, Positions, robot.timeout_s)
 
 
 def ask_raw(

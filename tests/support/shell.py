@@ -66,6 +66,13 @@ def beatrix(*words: str, answers: str = "") -> subprocess.CompletedProcess[str]:
     return subprocess.CompletedProcess(words, code, stdout.getvalue(), stderr.getvalue())
 
 
+def good(*words: str) -> str:
+    """Run `beatrix` with success; return its output."""
+    done = beatrix(*words)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
 class Shell:
     """A user who types commands for one router."""
 
