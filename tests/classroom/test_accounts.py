@@ -161,11 +161,7 @@ def test_an_account_may_be_named_by_a_file_or_the_environment(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "beatrix.toml").write_text(f'account = "{router.path("bea1")}"\n')
-    assert (resolve().robot, resolve().who, resolve().connect) == (
-        "bea1",
-        "bea1",
-        router.classroom.listen,
-    )
+    assert (resolve().robot, resolve().who, resolve().connect) == ("bea1", "bea1", router.classroom.listen)
     monkeypatch.setenv("BEATRIX_ACCOUNT", str(router.path("teacher")))
     assert resolve().who == "teacher"
     assert resolve(robot="bea2", who="ana").who == "ana"

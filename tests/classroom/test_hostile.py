@@ -128,9 +128,7 @@ def test_hostile_traffic_moves_no_robot_and_blocks_no_request(router: ClassRoute
     with hostile.Attack("127.0.0.1", router.classroom.port, recorded) as attack:
         until(lambda: min(attack.sent[kind] for kind in hostile.KINDS) >= 10, "all kinds of attacks")
         assert teacher.status().motion == before, "no hostile bytes have moved the robot"
-        assert teacher.client.bus.tokens(keys.seat("ana", "*")) == seats, (
-            "no hostile bytes have opened a session"
-        )
+        assert teacher.client.bus.tokens(keys.seat("ana", "*")) == seats, "no session was opened"
         for _ in range(STOPS):
             moves_and_stops(teacher)
     moves_and_stops(teacher)

@@ -100,10 +100,7 @@ def enable(account: Account, name: str, side: str, timeout_s: float) -> None:
     [
         (Reason.NO_ROUTER, "No router of class 8b at"),
         (Reason.ACCOUNT_REFUSED, "refuses account ana of class 8b"),
-        (
-            Reason.NO_ANSWER,
-            "bea1 (sim) is not online. Online: bea1 (hw). Account ana may not start it",
-        ),
+        (Reason.NO_ANSWER, "bea1 (sim) is not online. Online: bea1 (hw). Account ana may not start it"),
         (Reason.NO_SUCH_ROBOT, "bea7 (hw) is not online, and no robot has this name. Online: bea1 (hw)"),
         (Reason.NODE_LOST, "bea2 (hw) is no longer online: its node has crashed"),
         (Reason.NODE_HANGS, "bea2 (hw) is online but did not answer within"),

@@ -7,7 +7,7 @@ import math
 import pytest
 from bodies import EVERY
 from late_tests import in_time
-from robots import ask_raw, assert_fails, raw_positions, until
+from robots import ask_raw, assert_fails, raw_positions, turning, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, suggestion
 from beatrix_zenoh.contract import codec
@@ -75,8 +75,7 @@ def test_a_newer_motion_replaces_the_running_one(robot: Robot) -> None:
 
 @pytest.mark.bodies(*EVERY, safety=True)
 def test_the_reply_to_stop_has_the_exact_rest_position(robot: Robot) -> None:
-    motion = robot.look(yaw=60, wait=False)
-    until(lambda: robot.positions().commanded.short > 3, "moving")
+    motion = turning(robot)
     reply = robot.stop()
     rest = raw_positions(robot)
     assert "rest at" in reply.message

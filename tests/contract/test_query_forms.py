@@ -44,9 +44,7 @@ def test_a_motion_query_with_wildcards_moves_no_robot(robot: Robot, key: str) ->
     selector = f"beatrix/{key.format(robot.name, robot.side)}?x=0.3;y=0.3;z=0.3"
     answers = [json.loads(answer.payload) for answer in ask_raw(robot.client, selector)]
     assert answers
-    assert not any(answer["result"] for answer in answers if "tilt_max" not in answer), (
-        "a preview moves nothing"
-    )
+    assert not any(answer["result"] for answer in answers if "tilt_max" not in answer), "no preview"
     own = f"beatrix/{robot.name}/{robot.side}/cmd/"
     assert any(answer["detail"]["known"][0].startswith(own) for answer in answers if answer["detail"])
     assert robot.positions().commanded == (0, 0, 0)

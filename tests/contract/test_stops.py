@@ -6,7 +6,7 @@ import pytest
 import zenoh
 from bodies import EVERY, Body
 from late_tests import within
-from robots import until
+from robots import turning, until
 
 from beatrix_zenoh import Interrupted, Robot
 from beatrix_zenoh.bus import Query
@@ -19,8 +19,7 @@ pytestmark = pytest.mark.bodies(*EVERY, safety=True)
 
 @pytest.mark.measures_time
 def test_stop_is_answered_within_half_a_second(robot: Robot) -> None:
-    motion = robot.look(yaw=60, wait=False)
-    until(lambda: robot.positions().commanded.short > 3, "moving")
+    motion = turning(robot)
     with within(0.5, "STOP, with 0.2 s to decelerate"):
         robot.stop()
     with pytest.raises(Interrupted):

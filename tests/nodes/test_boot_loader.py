@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from avr.mega import HEX, LOADER
-from robots import Stage, assert_fails, ready, until, wait_status
+from robots import Stage, assert_fails, ready, turning, wait_status
 
 from beatrix_zenoh import Interrupted, Refused
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -31,8 +31,7 @@ def test_a_board_with_a_boot_loader_is_found_at_the_start_and_after_a_reset(
     mega = alone.mega(tmp_path / "board", "--firmware", str(flash))
     node = alone.hardware("bea", str(tmp_path / "board"))
     robot = ready(alone.robot("bea", "hw"))
-    motion = robot.look(yaw=60, wait=False)
-    until(lambda: robot.positions().commanded.short > 1, "moving")
+    motion = turning(robot)
     mega.say("reset")
     assert_fails(motion.wait, Interrupted, Reason.BOARD_LOST)
     assert robot.positions().velocity.short == 0

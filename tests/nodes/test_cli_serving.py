@@ -12,12 +12,11 @@ from pathlib import Path
 import pytest
 from old_programs import Program
 from robots import Process, Stage, children, free_endpoint, until
+from shell import CLI
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.cli import app
-
-CLI = ("-m", "beatrix_zenoh.cli")
 
 
 @pytest.fixture

@@ -15,12 +15,7 @@ from beatrix_zenoh.client import Presence
 from beatrix_zenoh.client.stopping import publish_stop
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import (
-    Event,
-    EventKind,
-    Fault,
-    Reason,
-)
+from beatrix_zenoh.contract._generated.messages import Event, EventKind, Fault, Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
 
 PATIENCE_S = 10.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 import signal
 import threading
 import time
@@ -13,7 +14,8 @@ from pathlib import Path
 import pytest
 from late_tests import within
 from pty_board import PtyBoard
-from robots import Stage, assert_fails, ready, until, wait_status
+from robots import Stage, assert_fails, ready, turning, until, wait_status
+from shell import beatrix
 
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot
 from beatrix_zenoh import bus as zbus
@@ -34,9 +36,9 @@ def stage() -> Iterator[Stage]:
 def test_a_second_node_under_a_name_is_refused_and_the_first_continues(stage: Stage) -> None:
     stage.node("bea")
     robot = ready(stage.robot("bea", "hw"))
-    second = stage.process("hw_node", "--name", "bea", "--connect", stage.endpoint, "--port", "virtual:")
-    assert second.wait() == 1
-    assert any("online" in line and "--name" in line for line in second.lines)
+    second = beatrix("hw", "--name", "bea", "--connect", stage.endpoint, "--port", "virtual:")
+    assert second.returncode == 1
+    assert re.search("online.*--name", second.stderr)
     robot.look(yaw=2, speed=60)
 
 
@@ -121,8 +123,7 @@ def test_an_unplugged_board_ends_the_motion_and_is_found_again(stage: Stage, tmp
     with PtyBoard(tmp_path / "board") as board:
         stage.hardware("bea", str(board.path))
         robot = ready(stage.robot("bea", "hw"))
-        motion = robot.look(yaw=40, wait=False)
-        until(lambda: robot.positions().commanded.short > 1, "moving")
+        motion = turning(robot, 40)
         board.unplug()
         with within(0.8, "the board is lost after 0.5 s, and shown"):
             wait_status(robot, lambda status: status.fault is Fault.BOARD_LOST, "board lost shown")
@@ -142,8 +143,7 @@ def test_an_unplugged_board_ends_the_motion_and_is_found_again(stage: Stage, tmp
 def test_a_motion_that_begins_just_after_stop_is_stopped_too(stage: Stage) -> None:
     node = stage.node("bea")
     robot = ready(stage.robot("bea", "hw"))
-    motion = robot.look(yaw=40, wait=False)
-    until(lambda: robot.positions().commanded.short > 1, "moving")
+    motion = turning(robot, 40)
     node.controller.stop_sent()  # as if STOP had reached the board before the motion
     assert_fails(motion.wait, Interrupted, Reason.STOPPED)
 
@@ -198,8 +198,7 @@ def test_the_board_stops_the_arms_when_its_node_is_lost(stage: Stage, tmp_path: 
     with PtyBoard(tmp_path / "board") as board:
         process = stage.hardware("bea", str(board.path))
         robot = ready(stage.robot("bea", "hw"))
-        robot.look(yaw=90, wait=False)
-        until(lambda: robot.positions().commanded.short > 1, "moving")
+        turning(robot, 90)
         process.end(signal.SIGKILL)
         until(lambda: board.board.firmware.steps() == board.board.firmware.steps(), "readable")
         before = time.monotonic()

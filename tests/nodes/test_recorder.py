@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from recorded_values import STATE, recorded_values
 from robots import Stage, ready, until
+from shell import Shell
 
 from beatrix_zenoh import Interrupted, Refused
 from beatrix_zenoh.cli import app
@@ -125,18 +126,11 @@ def test_the_code_of_the_page_reads_a_recording(
     )
 
 
-def run(stage: Stage, *words: str, code: int = 0) -> str:
-    """Run a verb, assert its exit code, and return its output."""
-    process = stage.process("beatrix_zenoh.cli", *words)
-    assert process.wait(30.0) == code, process.lines
-    return "\n".join(process.lines)
-
-
 @pytest.mark.long("records for eight seconds")
 def test_rotated_files_are_complete(stage: Stage, tmp_path: Path) -> None:
     path = tmp_path / "day.rrd"
     options = "--rotate 0.1 --seconds 8 --cameras 0 --json"
-    output = run(stage, "record", str(path), "--connect", stage.endpoint, *options.split())
+    output = Shell(stage.endpoint).good("record", str(path), *options.split())
     first, second = (tmp_path / name for name in ("day-001.rrd", "day-002.rrd"))
     assert '"dropped":0' in output
     assert verify(first) == verify(second) == ""
@@ -171,4 +165,5 @@ def test_a_robot_may_leave_and_return_during_a_recording(stage: Stage, tmp_path:
 
 def test_a_recording_without_robots_is_reported(stage: Stage, tmp_path: Path) -> None:
     words = ("record", str(tmp_path / "none.rrd"), "--name", "absent", "--seconds", "0.2")
-    assert "No robot was online" in run(stage, *words, "--connect", stage.endpoint, code=5)
+    done = Shell(stage.endpoint).run(*words)
+    assert (done.returncode, "No robot was online" in done.stderr) == (5, True)

@@ -85,17 +85,13 @@ def test_in_lockstep_both_robots_wait_for_the_slower_one(twin: Twin, monkeypatch
 
 
 def test_a_plan_is_refused_when_a_robot_has_moved_since(twin: Twin) -> None:
-    plan = twin.preview(yaw=10)
-    twin.sim.look(yaw=-3, speed=60)
-    with pytest.raises(Refused, match=r"bea \(sim\) has moved.*preview again"):
-        plan.commit()
-    assert commanded(twin.hw) == (0, 0, 0)
-    twin.sim.home()
-    plan = twin.preview(yaw=10)
-    twin.hw.look(yaw=-3, speed=60)
-    with pytest.raises(Refused, match=r"bea \(hw\) has moved.*preview again"):
-        plan.commit()
-    assert commanded(twin.sim) == (0, 0, 0)
+    for moved, other in ((twin.sim, twin.hw), (twin.hw, twin.sim)):
+        plan = twin.preview(yaw=10)
+        moved.look(yaw=-3, speed=60)
+        with pytest.raises(Refused, match=rf"bea \({moved.side}\) has moved.*preview again"):
+            plan.commit()
+        assert commanded(other) == (0, 0, 0)
+        moved.home()
 
 
 def test_only_a_relative_plan_needs_both_robots_at_one_position(twin: Twin) -> None:

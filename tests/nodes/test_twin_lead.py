@@ -76,9 +76,7 @@ def test_the_hardware_follows_after_the_lead_and_the_lag_is_measured(twin: Twin)
         motion.add_done_callback(ended.append)
         replies = motion.result(10)
         published_s = (first_move_ns(of_hw) - first_move_ns(of_sim)) / 1e9
-    assert published_s == pytest.approx(1.0, abs=0.2), (
-        "with tolerance for a busy machine; tools/bench_twin.py prints the exact figure"
-    )
+    assert published_s == pytest.approx(1.0, abs=0.2), "tools/bench_twin.py prints the exact figure"
     assert motion.lag_s == pytest.approx(published_s, abs=0.03)
     assert (replies.sim.result, replies.hw.result, motion.hardware_sent) == (True, True, True)
     assert twin.sim.positions().commanded == twin.hw.positions().commanded
@@ -110,17 +108,13 @@ def test_stop_at_either_robot_within_the_lead_ends_the_motion(stage: Stage, twin
     assert not twin.sim.status().moving
 
 
-def disable(robot: Robot) -> None:
-    robot.disable()
-
-
 def turn(robot: Robot) -> None:
     robot.look(yaw=-3, speed=60)
 
 
-@pytest.mark.parametrize(("change", "message"), [(disable, "motors are off"), (turn, "has moved")])
+@pytest.mark.parametrize(("change", "message"), [(Robot.disable, "motors are off"), (turn, "has moved")])
 def test_changed_hardware_is_not_moved_after_the_lead(
-    twin: Twin, change: Callable[[Robot], None], message: str
+    twin: Twin, change: Callable[[Robot], object], message: str
 ) -> None:
     number = number_of_a_motion(twin)
     motion = twin.preview(yaw=90, speed=30).commit(lead_s=1.5, wait=False)

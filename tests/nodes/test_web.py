@@ -255,10 +255,7 @@ def test_pages_show_the_first_robot_that_comes_and_that_it_or_the_router_is_lost
         page.state(lambda view: online(view) and view["robot"] == "bea1", "online")
         alone.end_nodes()
         view = page.state(lambda view: not online(view), "absent")
-        assert view["banner"] == {
-            "text": view["banner"]["text"],
-            "buttons": [],
-        }  # none that starts a program
+        assert view["banner"] == {"text": view["banner"]["text"], "buttons": []}  # none that starts a program
         alone.end_router()
         page.state(lambda view: not view["online"], "no router")
 

@@ -90,16 +90,7 @@ def test_cookies_are_for_this_page_only(port: int) -> None:
     assert all("SameSite=Strict" in cookie and "HttpOnly" in cookie for cookie in cookies)
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "",
-        "{",
-        '{"do":"hold","press":1}',
-        '{"do":"StartSimulation"}',
-        "x" * 100,
-    ],
-)
+@pytest.mark.parametrize("text", ["", "{", '{"do":"hold","press":1}', '{"do":"StartSimulation"}', "x" * 100])
 def test_a_message_that_cannot_be_read_closes_the_web_socket(browser: WebClient, text: str) -> None:
     page = browser.connect()
     page.send_raw(text)
@@ -150,9 +141,7 @@ def locked(router: Stage, monkeypatch: pytest.MonkeyPatch) -> Iterator[WebClient
 def test_the_page_needs_the_pin(locked: WebClient) -> None:
     assert 'name="pin"' in locked.load()
     assert locked.refusal() == (403, "This browser is not logged in. Load the control page again.")
-    assert "class.js" not in locked.fetch("/class").body.decode(), (
-        "the page for a projector needs the PIN, too"
-    )
+    assert "class.js" not in locked.fetch("/class").body.decode(), "the projector needs it, too"
     wrong = locked.log_in("000000")
     assert wrong.code == 403
     assert "This PIN is wrong." in wrong.body.decode()

@@ -20,6 +20,7 @@ from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Reply, Sessions
 from beatrix_zenoh.client import Client
+from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Positions, Reason, Status
@@ -336,6 +337,13 @@ def ready(robot: Robot) -> Robot:
     robot.enable()
     robot.calibrate()
     return robot
+
+
+def turning(robot: Robot, yaw: float = 60.0) -> Motion:
+    """Begin to turn the head from home; return the motion when the arms have moved."""
+    motion = robot.look(yaw=yaw, wait=False)
+    until(lambda: robot.positions().commanded.short > 1, "moving")
+    return motion
 
 
 def assert_fails(
