@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import datetime as dt
 import stat
-from collections.abc import Iterator
 from pathlib import Path
 
 import msgspec
@@ -22,12 +21,6 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
 from beatrix_zenoh.doctor import checks
 from beatrix_zenoh.settings import resolve
-
-
-@pytest.fixture(scope="module")
-def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
-    with ClassRouter(tmp_path_factory.mktemp("class")) as made:
-        yield made
 
 
 def refused(endpoint: str, account: Account | None) -> str:

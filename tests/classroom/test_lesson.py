@@ -113,7 +113,5 @@ def test_the_teacher_simulates_all_seats_and_each_drives_only_its_own(
         with pytest.raises(NoAnswer):
             of_another.look(yaw=5)
         assert of_another.status().robot == "ben", "every seat may watch"
-        own.client.close()
-        of_another.client.close()
     finally:
         assert process.end() == 0

@@ -52,12 +52,6 @@ session.close()
 
 
 @pytest.fixture(scope="module")
-def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
-    with ClassRouter(tmp_path_factory.mktemp("class")) as made:
-        yield made
-
-
-@pytest.fixture(scope="module")
 def teacher(router: ClassRouter, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
     """The robot bea1 through the teacher's session."""
     node = start_node(tmp_path_factory.mktemp("bea1"), router.path("bea1"))

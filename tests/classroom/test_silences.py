@@ -12,7 +12,7 @@ from pathlib import Path
 import msgspec
 import pytest
 from class_router import Answering, ClassRouter, end, process_of, start_node
-from robots import PATIENCE_S, Process, free_endpoint, until
+from robots import PATIENCE_S, Process, assert_fails, free_endpoint, until
 from shell import beatrix
 
 from beatrix_zenoh import NoAnswer, Robot
@@ -141,8 +141,7 @@ def test_a_program_whose_router_was_lost_does_not_report_that_the_robot_was(tmp_
             try:
                 end(router, Part.SEATS)
                 until(lambda: client.losses > 0 and client.bus.connected, "a new router of the seats")
-                with pytest.raises(NoAnswer, match="and a router answers there again") as caught:
-                    Robot("bea1", HW, client=client).enable()
+                robot = Robot("bea1", HW, client=client)
+                assert_fails(robot.enable, NoAnswer, Reason.NO_ROUTER, "and a router answers there again")
             finally:
                 os.kill(other, signal.SIGCONT)
-    assert caught.value.reason is Reason.NO_ROUTER

@@ -85,11 +85,8 @@ def test_the_speed_limit_of_the_teacher_stops_and_refuses_faster_motions(body: B
         "this motion is slow enough"
     )
     home.wait()
-    with pytest.raises(
-        Refused, match=r"the teacher's limit of 10\.0°/s applies\. Try a speed of 10\.0°/s"
-    ) as refused:
-        robot.look(yaw=2, speed=60)
-    assert refused.value.reason is Reason.SPEED_LIMIT
+    advice = r"the teacher's limit of 10\.0°/s applies\. Try a speed of 10\.0°/s"
+    assert_fails(lambda: robot.look(yaw=2, speed=60), Refused, Reason.SPEED_LIMIT, advice)
     assert robot.look(yaw=5).duration > 0.5
     assert robot.status().speed_limit == pytest.approx(0.1745, abs=0.001)
     lease.ask(teacher, LeaseAction.LIMIT)

@@ -21,14 +21,10 @@ STEP_DEG = 360 / Gear().steps_per_turn
 MEASURED_DEG = 0.25
 
 
-def near(angles: tuple[float, ...], wanted: tuple[float, ...], tolerance: float) -> bool:
-    return all(abs(a - b) <= tolerance for a, b in zip(angles, wanted, strict=True))
-
-
 def assert_rests_at(robot: Robot, arms: tuple[float, float, float]) -> None:
     """Assert that commanded angles are within a step at once, and measured ones within 0.25 deg when the head rests."""
-    assert near(robot.positions().commanded, arms, STEP_DEG)
-    until(lambda: near(robot.positions().arms, arms, MEASURED_DEG), f"measured arms at {arms}")
+    assert robot.positions().commanded == pytest.approx(arms, abs=STEP_DEG)
+    until(lambda: robot.positions().arms == pytest.approx(arms, abs=MEASURED_DEG), f"measured arms at {arms}")
 
 
 def test_an_absolute_motion_ends_at_the_target(robot: Robot) -> None:
@@ -47,7 +43,7 @@ def test_look_turns_the_head_to_the_pose(robot: Robot) -> None:
     wanted = Neck().inverse(*map(math.radians, (15, -8, 5)))
     short, middle, long = map(math.degrees, wanted)
     assert_rests_at(robot, (short, middle, long))
-    until(lambda: near(robot.positions().head, (15, -8, 5), 0.4), "head at the pose")
+    until(lambda: robot.positions().head == pytest.approx((15, -8, 5), abs=0.4), "head at the pose")
 
 
 @pytest.mark.measures_time

@@ -19,22 +19,9 @@ from beatrix_zenoh.contract._generated.messages import LeaseAction
 pytestmark = pytest.mark.bodies("in-process")
 
 
-def key_of(robot: Robot, action: str) -> str:
-    return f"beatrix/{robot.name}/{robot.side}/cmd/ana/{action}"
-
-
-def last_json(robot: Robot, selector: str, payload: bytes | None = None) -> dict[str, object]:
-    """Assert that the last reply is one line of JSON, as z_get prints it; return it decoded."""
-    answer = ask_raw(robot.client, selector, payload)[-1]
-    assert answer.encoding == codec.JSON
-    assert b"\n" not in answer.payload
-    value: dict[str, object] = json.loads(answer.payload)
-    return value
-
-
 def test_msgpack_of_another_library_is_answered_in_msgpack(robot: Robot) -> None:
     query = msgpack.packb({"absolute": True, "position": {"x": 0.02, "y": 0.02, "z": 0.02}})
-    answers = ask_raw(robot.client, key_of(robot, "motion"), query, codec.MSGPACK)
+    answers = ask_raw(robot.client, keys.motion(*robot.place, "ana"), query, codec.MSGPACK)
     assert [msgpack.unpackb(answer.payload)["phase"] for answer in answers] == ["accepted", "done"]
 
 
@@ -51,8 +38,10 @@ def test_a_motion_query_with_wildcards_moves_no_robot(robot: Robot, key: str) ->
 
 
 @pytest.mark.parametrize("seat", ["legacy", "arm-topics"])
-def test_a_reserved_seat_is_refused(robot: Robot, seat: str) -> None:
-    reply = last_json(robot, f"beatrix/{robot.name}/{robot.side}/cmd/{seat}/pose?yaw=0.1")
+def test_a_reserved_seat_is_refused_in_one_line_of_json(robot: Robot, seat: str) -> None:
+    (answer,) = ask_raw(robot.client, keys.pose(*robot.place, seat) + "?yaw=0.1")
+    assert (answer.encoding, b"\n" in answer.payload) == (codec.JSON, False)
+    reply = json.loads(answer.payload)
     assert (reply["reason"], reply["result"]) == ("BAD_VALUE", False)
     assert "choose another" in str(reply["message"])
 

@@ -83,10 +83,7 @@ def test_a_signal_stops_the_arms_and_ends_the_node(stage: Stage, module: str, nu
     robot = ready(stage.robot("bea", side))
     motion = robot.look(yaw=60, wait=False)
     process.send(number)
-    with pytest.raises(Interrupted) as ended:
-        motion.wait()
-    assert ended.value.reason is Reason.SHUTDOWN
-    assert "which is closing; the arms rest at" in ended.value.message
+    assert_fails(motion.wait, Interrupted, Reason.SHUTDOWN, "which is closing; the arms rest at")
     assert process.wait() == 0
     assert "Traceback" not in "\n".join(process.lines)
 

@@ -97,11 +97,8 @@ def test_stop_fails_if_the_board_never_comes_to_rest(faulty: tuple[FaultyPort, R
     port, robot = faulty
     port.drops_moves, port.always_moving = False, True
     until(lambda: robot.status().moving, "moving, by its status")
-    with pytest.raises(
-        Refused, match=r"^NOT stopped\. .*reports that the arms still move.*motor power off"
-    ) as refused:
-        robot.stop()
-    assert refused.value.reason is Reason.FAULT
+    advice = r"^NOT stopped\. .*reports that the arms still move.*motor power off"
+    assert_fails(robot.stop, Refused, Reason.FAULT, advice)
     port.always_moving = False
     until(lambda: not robot.status().moving, "at rest")
     assert robot.stop().result

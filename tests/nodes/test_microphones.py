@@ -107,7 +107,6 @@ def test_a_robot_without_microphones_says_what_to_do(router: Stage) -> None:
         pytest.raises(NoAnswer, match="start its node with `beatrix hw --microphones"),
     ):
         sound.next(0.1)
-    robot.client.close()
     node.close()
 
 

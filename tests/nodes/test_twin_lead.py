@@ -51,11 +51,8 @@ def test_abort_within_the_lead_stops_the_simulation_and_leaves_the_hardware_unmo
     assert 3 < motion.countdown_s < 5
     plan.abort()
     assert (motion.done(), motion.hardware_sent, motion.countdown_s) == (True, False, 0.0)
-    with pytest.raises(
-        Interrupted, match=r"(?s)Cancelled.*bea \(sim\): Stopped.*bea \(hw\): not moved"
-    ) as end:
-        motion.result()
-    assert end.value.reason is Reason.STOPPED
+    cancelled = r"(?s)Cancelled.*bea \(sim\): Stopped.*bea \(hw\): not moved"
+    assert_fails(motion.result, Interrupted, Reason.STOPPED, cancelled)
     assert not motion.cancel()
     assert not twin.sim.status().moving
     assert (raw_positions(twin.hw).steps, twin.hw.status().motion) == (before, number)

@@ -223,14 +223,8 @@ def test_the_class_is_a_table_of_all_robots_and_a_projector_shows_whose_turn_it_
 
 def test_choices_of_the_browser_return_and_texts_follow_the_language(browser: WebClient) -> None:
     page = browser.connect()
-    page.send(
-        "open",
-        saved={
-            "language": "de",
-            "speed": 12,
-            "poses": [{"name": "hoch", "short": 1, "middle": 2, "long": 3}],
-        },
-    )
+    pose = {"name": "hoch", "short": 1, "middle": 2, "long": 3}
+    page.send("open", saved={"language": "de", "speed": 12, "poses": [pose]})
     view = page.state(lambda view: view["language"] == "de", "German")
     assert (view["texts"]["page.drive"], view["pills"][1]["title"]) == ("Steuern", "Hardware")
     assert (view["choices"]["speed"], view["poses"]["names"]) == (12, ["hoch"])
