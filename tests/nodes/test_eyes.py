@@ -109,11 +109,11 @@ def inside(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> Iterator[Robot]:
     """A simulation in this process with short retries."""
     monkeypatch.setattr(eyes, "IDLE_S", 0.1)
     monkeypatch.setattr(eyes, "RETRY_S", 0.1)
-    node = stage.node("inside", Simulation("inside"))
+    stage.node("inside", Simulation("inside"))
     robot = stage.robot("inside", "sim")
     yield robot
     robot.client.close()
-    node.close()
+    stage.end_nodes()
 
 
 def test_without_opengl_the_status_says_what_to_install(

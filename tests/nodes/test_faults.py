@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import re
 import signal
 import threading
@@ -147,14 +146,15 @@ def test_a_motion_that_begins_just_after_stop_is_stopped_too(stage: Stage) -> No
 
 def test_a_new_node_shows_the_latch_of_the_board(stage: Stage, tmp_path: Path) -> None:
     with PtyBoard(tmp_path / "board") as board:
-        with contextlib.closing(stage.node("bea", Hardware(str(board.path)))):
-            ready(stage.robot("bea", "hw")).emergency_stop()
-        node = stage.node("bea", Hardware(str(board.path)))
+        stage.node("bea", Hardware(str(board.path)))
+        ready(stage.robot("bea", "hw")).emergency_stop()
+        stage.end_nodes()
+        stage.node("bea", Hardware(str(board.path)))
         robot = stage.robot("bea", "hw", "ben")
         wait_status(robot, lambda status: status.fault is Fault.EMERGENCY, "latch found")
         assert_fails(robot.enable, Refused, Reason.EMERGENCY)
         ready(robot)
-        node.close()  # before its board
+        stage.end_nodes()  # before its board
 
 
 def test_a_motion_accepted_after_its_client_has_given_up_is_stopped(stage: Stage) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import signal
 from pathlib import Path
 
@@ -67,21 +66,22 @@ def test_lines_to_a_lost_board_are_answered_nack_and_its_return_clears_the_zero(
 ) -> None:
     with PtyBoard(tmp_path / "board") as board:
         hardware, terminal = Hardware(str(tmp_path / "board")), Terminal(tmp_path / "COM4")
-        with contextlib.closing(alone.node("bea", hardware, terminal=terminal)):
-            robot = alone.robot("bea", "hw")
-            wait_status(robot, lambda status: status.board.connected, "board there")
-            program = Program(tmp_path / "COM4").begin()
-            program.port.write(b"@MOVRALL 600 600 600\r@MOVRX 5 5\r")
-            until(lambda: robot.status().moving, "moving")
-            board.unplug()
-            assert program.read(4) == ["ACK\n", "NACK\n"] * 2
-            assert program.say("@COMSTATUS") == ["ACK\n", "NACK\n"]
-            wait_status(robot, lambda status: status.fault is Fault.BOARD_LOST, "lost")
-            board.plug()
-            wait_status(robot, lambda status: status.board.connected, "back")
-            assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
-            assert program.say("@MOVRX 5 5") == ["ACK\n", "NACK\n"]
-            wait_status(robot, lambda status: "need @CALNOW" in " ".join(status.warnings), "the warning")
-            until(lambda: robot.status().holder == "", "free")
-            ready(robot)
-            program.port.close()
+        alone.node("bea", hardware, terminal=terminal)
+        robot = alone.robot("bea", "hw")
+        wait_status(robot, lambda status: status.board.connected, "board there")
+        program = Program(tmp_path / "COM4").begin()
+        program.port.write(b"@MOVRALL 600 600 600\r@MOVRX 5 5\r")
+        until(lambda: robot.status().moving, "moving")
+        board.unplug()
+        assert program.read(4) == ["ACK\n", "NACK\n"] * 2
+        assert program.say("@COMSTATUS") == ["ACK\n", "NACK\n"]
+        wait_status(robot, lambda status: status.fault is Fault.BOARD_LOST, "lost")
+        board.plug()
+        wait_status(robot, lambda status: status.board.connected, "back")
+        assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
+        assert program.say("@MOVRX 5 5") == ["ACK\n", "NACK\n"]
+        wait_status(robot, lambda status: "need @CALNOW" in " ".join(status.warnings), "the warning")
+        until(lambda: robot.status().holder == "", "free")
+        ready(robot)
+        program.port.close()
+        alone.end_nodes()  # before its board

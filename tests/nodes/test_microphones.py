@@ -50,12 +50,12 @@ def device(monkeypatch: pytest.MonkeyPatch) -> FakeDevice:
 
 @pytest.fixture
 def robot(router: Stage, device: FakeDevice) -> Iterator[Robot]:
-    node = router.node("bea", VirtualHardware("bea", sensors=[lambda node: microphone_sensor(node, device)]))
+    router.node("bea", VirtualHardware("bea", sensors=[lambda node: microphone_sensor(node, device)]))
     robot = router.robot("bea", "hw")
     wait_status(robot, lambda status: status.microphones is not None, "there are microphones")
     yield robot
     robot.client.close()
-    node.close()
+    router.end_nodes()
 
 
 def on(status: Status) -> bool:
@@ -99,7 +99,7 @@ def test_a_fault_of_a_device_is_shown_until_it_delivers_again(robot: Robot, devi
 
 
 def test_a_robot_without_microphones_says_what_to_do(router: Stage) -> None:
-    node = router.node("ben", VirtualHardware("ben", sensors=()))
+    router.node("ben", VirtualHardware("ben", sensors=()))
     robot = router.robot("ben", "hw")
     assert robot.status().microphones is None
     with (
@@ -107,7 +107,7 @@ def test_a_robot_without_microphones_says_what_to_do(router: Stage) -> None:
         pytest.raises(NoAnswer, match="start its node with `beatrix hw --microphones"),
     ):
         sound.next(0.1)
-    node.close()
+    router.end_nodes()
 
 
 @pytest.mark.parametrize("seconds", [0, -1.0, float("nan"), 61])

@@ -14,7 +14,6 @@ from beatrix_zenoh.client import lease
 from beatrix_zenoh.contract._generated.messages import Fault, LeaseAction, Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.contract.names import OLD_PROGRAMS
-from beatrix_zenoh.node import Node
 
 
 class Place:
@@ -22,20 +21,21 @@ class Place:
 
     def __init__(self, stage: Stage, folder: Path) -> None:
         self.stage, self.folder = stage, folder
-        self.node = self._start()
+        self.start()
         self.boss, self.ana, self.ben = (stage.robot("bea", "hw", who) for who in ("teacher", "ana", "ben"))
 
     @property
     def file(self) -> Path:
         return self.folder / "robots" / "bea.hw.toml"
 
-    def _start(self) -> Node:
-        return self.stage.node("bea", kept=self.folder / "robots")
+    def start(self) -> None:
+        """Start a node with a new board."""
+        self.stage.node("bea", kept=self.folder / "robots")
 
     def restart(self) -> None:
         """Close the node and start another one with a new board."""
-        self.node.close()
-        self.node = self._start()
+        self.stage.end_nodes()
+        self.start()
 
     def refused(self, request: Callable[[], object]) -> Reason:
         """Return the reason of a refused request."""
