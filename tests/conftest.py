@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 from late_tests import Excuses
-from robots import IDLE, IDLE_THREAD, Stage, end_idle_routers
+from robots import IDLE, IDLE_THREAD, Stage, children, end_idle_routers
 from stall_monitor import Witness
 from xdist.remote import Producer  # type: ignore[import-untyped]
 from xdist.scheduler import LoadScopeScheduling  # type: ignore[import-untyped]
@@ -170,24 +170,13 @@ def running_threads() -> set[threading.Thread]:
 
 
 def running_children() -> dict[int, str]:
-    """Return the command lines of this process's living children by process number; none if /proc is missing."""
-    found = {}
-    idle = {router.pid for router in IDLE.values()}
-    for listing in Path(f"/proc/{os.getpid()}/task").glob("*/children"):
-        try:
-            numbers = listing.read_text().split()
-        except OSError:
-            continue  # that thread has just ended
-        for number in numbers:
-            try:
-                state = Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0]
-                words = Path(f"/proc/{number}/cmdline").read_bytes().split(b"\0")
-            except OSError:
-                continue  # it has just ended
-            command = b" ".join(words).decode(errors="replace").strip()
-            if state != "Z" and int(number) not in idle and not any(name in command for name in LONG_LIVED):
-                found[int(number)] = command
-    return found
+    """Return the command lines of this process's children by process number, without those that outlive a test."""
+    kept = {router.pid for router in IDLE.values()}
+    return {
+        number: command
+        for number, command in children(os.getpid()).items()
+        if number not in kept and not any(name in command for name in LONG_LIVED)
+    }
 
 
 @pytest.fixture(autouse=True)

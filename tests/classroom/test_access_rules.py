@@ -260,9 +260,7 @@ def test_a_reply_under_the_name_of_another_robot_does_not_arrive(router: ClassRo
     liar = Answering(router.session("ben"), keys.clock("ben", SIM), keys.clock("bea1", SIM), FORGED)
     router.settled(router.session("ben"))
     assert replies(router.session("teacher"), everyone) == []
-    assert liar.asked == [everyone], (
-        "the queryable received the query, and the router dropped the forged reply"
-    )
+    assert liar.asked == [everyone], "it received the query, and the router dropped the forged reply"
 
 
 def test_only_the_stop_key_ends_with_stop_and_a_seat() -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import datetime as dt
 import stat
-from collections.abc import Iterator
 from pathlib import Path
 
 import msgspec
@@ -22,12 +21,6 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
 from beatrix_zenoh.doctor import checks
 from beatrix_zenoh.settings import resolve
-
-
-@pytest.fixture(scope="module")
-def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
-    with ClassRouter(tmp_path_factory.mktemp("class")) as made:
-        yield made
 
 
 def refused(endpoint: str, account: Account | None) -> str:
@@ -161,11 +154,7 @@ def test_an_account_may_be_named_by_a_file_or_the_environment(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "beatrix.toml").write_text(f'account = "{router.path("bea1")}"\n')
-    assert (resolve().robot, resolve().who, resolve().connect) == (
-        "bea1",
-        "bea1",
-        router.classroom.listen,
-    )
+    assert (resolve().robot, resolve().who, resolve().connect) == ("bea1", "bea1", router.classroom.listen)
     monkeypatch.setenv("BEATRIX_ACCOUNT", str(router.path("teacher")))
     assert resolve().who == "teacher"
     assert resolve(robot="bea2", who="ana").who == "ana"

@@ -23,12 +23,11 @@ from students import PROGRAM, Seat
 from beatrix_zenoh import Refused, Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Incoming, Sessions
-from beatrix_zenoh.client import Client, lease
+from beatrix_zenoh.client import lease
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import EventKind, LeaseAction, Reason
 from beatrix_zenoh.contract.names import SIDES, TEACHER
 from beatrix_zenoh.node import Node
-from beatrix_zenoh.settings import Settings
 from hw_node.body import VirtualHardware
 
 SEATS = 30
@@ -48,13 +47,6 @@ def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
         node.close()
 
 
-def robot_of(router: ClassRouter, seat: str) -> Robot:
-    """Return the robot through a new session of a seat."""
-    account = router.account(seat)
-    client = patiently(lambda: Client(Settings("bea1", account.connect, seat, account=account)))
-    return Robot("bea1", "hw", client=client, timeout_s=PATIENCE_S)
-
-
 def test_one_of_thirty_seats_takes_the_robot_and_refusals_name_it(router: ClassRouter) -> None:
     gate = threading.Barrier(SEATS)
 
@@ -66,7 +58,7 @@ def test_one_of_thirty_seats_takes_the_robot_and_refusals_name_it(router: ClassR
             return refused
         return None
 
-    robots = [robot_of(router, seat) for seat in router.classroom.seats]
+    robots = [router.robot("bea1", "hw", seat) for seat in router.classroom.seats]
     try:
         with ThreadPoolExecutor(SEATS) as pool:
             ends = list(pool.map(take, robots))
@@ -88,7 +80,7 @@ def test_one_of_thirty_seats_takes_the_robot_and_refusals_name_it(router: ClassR
 @pytest.mark.parametrize("form", ["put", "query of all robots"])
 def test_a_stop_without_a_seat_is_the_teachers(router: ClassRouter, form: str) -> None:
     """The router of a class lets no other account send it, for example with Zenoh's own `z_put`."""
-    robot = robot_of(router, "teacher")
+    robot = router.robot("bea1", "hw", "teacher")
     bus, key = robot.client.bus, keys.stop_unsigned("bea1", "hw")
     with contextlib.closing(robot.client), robot.events(timeout_s=PATIENCE_S) as events:
         router.settled(bus)  # a put is not repeated, so its event must find the subscription
@@ -155,7 +147,7 @@ def test_a_disconnected_holder_loses_the_robot_to_the_seat_that_waits(
         holder = Seat(Process(PROGRAM, folder=tmp_path, listens=True, traced=False))
         with contextlib.ExitStack() as stack:
             stack.callback(holder.process.end, signal.SIGKILL)
-            next_one = robot_of(router, "seat02")
+            next_one = router.robot("bea1", "hw", "seat02")
             stack.callback(next_one.client.close)
             until(lambda: next_one.status().holder == "", "the lease of the test before has ended")
             next_one.make_ready()

@@ -16,6 +16,7 @@ from robots import ready, until
 
 from beatrix_zenoh import Interrupted, NoAnswer, Robot
 from beatrix_zenoh import bus as zbus
+from beatrix_zenoh.account import Account
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import EventKind
@@ -37,8 +38,7 @@ def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
 @pytest.fixture(scope="module")
 def teacher(router: ClassRouter) -> Iterator[Robot]:
     """The robot through the teacher's session, which need not pause after its own STOP."""
-    account = router.account("teacher")
-    with patiently(lambda: Client(Settings("bea1", account.connect, "teacher", account=account))) as client:
+    with router.client("teacher") as client:
         yield ready(Robot("bea1", "hw", client=client, timeout_s=PATIENCE_S))
 
 
@@ -62,13 +62,18 @@ def moves_and_stops(robot: Robot) -> None:
     assert not patiently(robot.status).moving
 
 
+@contextlib.contextmanager
+def relayed(router: ClassRouter) -> Iterator[tuple[Cable, Account]]:
+    """A cable that records, and the account of the seat ana for its end."""
+    with Cable("127.0.0.1", router.classroom.port + 1) as cable:
+        account = router.account("ana")
+        yield cable, msgspec.structs.replace(account, connect=f"tls/127.0.0.1:{cable.port}")
+
+
 def recorded_session(router: ClassRouter) -> bytes:
     """Return the bytes that a program of the seat ana sends to turn the robot."""
-    account = router.account("ana")
-    with Cable("127.0.0.1", router.classroom.port + 1) as cable:
-        endpoint = f"tls/127.0.0.1:{cable.port}"
-        account = msgspec.structs.replace(account, connect=endpoint)
-        with patiently(lambda: Client(Settings("bea1", endpoint, "ana", account=account))) as client:
+    with relayed(router) as (cable, account):
+        with patiently(lambda: Client(Settings("", account.connect, "ana", account=account))) as client:
             Robot("bea1", "hw", client=client).look(yaw=1, speed=60)
         return bytes(max(cable.recorded, key=len))
 
@@ -95,18 +100,17 @@ def send_again(router: ClassRouter, pieces: list[bytes]) -> int:
 def test_a_replayed_session_opens_no_session_and_repeats_no_request(router: ClassRouter) -> None:
     served = Answering(router.session("bea2"), keys.command("bea2", "hw", "*"))
     router.settled(router.session("bea2"))
-    account = router.account("ana")
-    with Cable("127.0.0.1", router.classroom.port + 1) as cable:
-        endpoint = f"tls/127.0.0.1:{cable.port}"
-        relayed = msgspec.structs.replace(account, connect=endpoint)
-        with patiently(lambda: zbus.connect(endpoint, account=relayed)) as session:
-            token = keys.seat("ana", session.session_id)
-            session.declare_token(token)
-            assert replies(session, COMMAND), "the recording has a request that is carried out"
-            recorded = bytes(max(cable.recorded, key=len))
-            for pieces in ([recorded], hostile.frames(recorded)[:3]):
-                send_again(router, pieces)
-            assert replies(session, COMMAND), "the copy does not end the original session"
+    with (
+        relayed(router) as (cable, account),
+        patiently(lambda: zbus.connect(account.connect, account=account)) as session,
+    ):
+        token = keys.seat("ana", session.session_id)
+        session.declare_token(token)
+        assert replies(session, COMMAND), "the recording has a request that is carried out"
+        recorded = bytes(max(cable.recorded, key=len))
+        for pieces in ([recorded], hostile.frames(recorded)[:3]):
+            send_again(router, pieces)
+        assert replies(session, COMMAND), "the copy does not end the original session"
     teacher = router.session("teacher")
     for pieces in ([recorded], hostile.frames(recorded)):
         assert send_again(router, pieces) > 0, "the router begins a handshake, and ends it"
@@ -124,9 +128,7 @@ def test_hostile_traffic_moves_no_robot_and_blocks_no_request(router: ClassRoute
     with hostile.Attack("127.0.0.1", router.classroom.port, recorded) as attack:
         until(lambda: min(attack.sent[kind] for kind in hostile.KINDS) >= 10, "all kinds of attacks")
         assert teacher.status().motion == before, "no hostile bytes have moved the robot"
-        assert teacher.client.bus.tokens(keys.seat("ana", "*")) == seats, (
-            "no hostile bytes have opened a session"
-        )
+        assert teacher.client.bus.tokens(keys.seat("ana", "*")) == seats, "no session was opened"
         for _ in range(STOPS):
             moves_and_stops(teacher)
     moves_and_stops(teacher)

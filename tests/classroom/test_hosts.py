@@ -88,9 +88,7 @@ def test_only_the_routers_listen_and_no_program_sends_datagrams(lesson: Lesson) 
     for process in lesson.processes:
         found = sockets(process.pid)
         assert found, "the program is connected"
-        assert {table for table, _ in found} <= {"tcp", "tcp6"}, (
-            "the program uses neither multicast nor a name service"
-        )
+        assert {table for table, _ in found} <= {"tcp", "tcp6"}, "neither multicast nor a name service"
         assert LISTENING not in {state for _, state in found}
     for router in lesson.routers.values():
         for part in Part:

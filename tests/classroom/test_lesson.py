@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 from class_router import CLI, ClassRouter, start_node, use_account
-from patient_connections import PATIENCE_S, patiently
 from robots import Process, ready, until
 from shell import beatrix
 
@@ -47,10 +46,7 @@ def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
 @pytest.fixture
 def clients(router: ClassRouter) -> Iterator[dict[str, Client]]:
     """Clients of two seats and the teacher."""
-    made = {}
-    for name in ("ana", "ben", "teacher"):
-        account = router.account(name)
-        made[name] = Client(Settings("", account.connect, name, account=account))
+    made = {name: router.client(name) for name in ("ana", "ben", "teacher")}
     yield made
     for client in made.values():
         client.close()
@@ -103,13 +99,6 @@ def test_a_turn_lends_the_program_a_session_and_no_account(
     assert printed[-3:] == ["reached 10 ana", "account None '' False", "files []"]
 
 
-def robot_of(router: ClassRouter, name: str, seat: str) -> Robot:
-    """Return the simulation of a name through a new session of a seat."""
-    account = router.account(seat)
-    client = patiently(lambda: Client(Settings(name, account.connect, seat, account=account)))
-    return Robot(name, "sim", client=client, timeout_s=PATIENCE_S)
-
-
 def test_the_teacher_simulates_all_seats_and_each_drives_only_its_own(
     router: ClassRouter, tmp_path: Path
 ) -> None:
@@ -119,12 +108,10 @@ def test_the_teacher_simulates_all_seats_and_each_drives_only_its_own(
     )
     try:
         process.expect_all("ready beatrix/ana/sim/", "ready beatrix/ben/sim/")
-        own, of_another = robot_of(router, "ana", "ana"), robot_of(router, "ben", "ana")
+        own, of_another = (router.robot(name, "sim", "ana") for name in ("ana", "ben"))
         assert own.look(yaw=5).result().result
         with pytest.raises(NoAnswer):
             of_another.look(yaw=5)
         assert of_another.status().robot == "ben", "every seat may watch"
-        own.client.close()
-        of_another.client.close()
     finally:
         assert process.end() == 0

@@ -11,17 +11,15 @@ import pytest
 from class_router import ClassRouter, start_node
 from patient_connections import PATIENCE_S, patiently
 from robots import until
-from shell import beatrix
+from shell import beatrix, good
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.classroom.pending import Kept, decide, words
-from beatrix_zenoh.client import Client
 from beatrix_zenoh.client import lesson_reports as reports
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LeaseAction, LeaseQuery
 from beatrix_zenoh.lessons.progress import Record
-from beatrix_zenoh.settings import Settings
 
 BEA2 = keys.pending("bea2", "hw")
 MUTE, UNMUTE = (LeaseQuery(action=action, seat="cem") for action in (LeaseAction.MUTE, LeaseAction.UNMUTE))
@@ -56,18 +54,6 @@ def test_for_a_robot_online_only_what_it_has_not_taken_is_replaced() -> None:
     assert [*found[BEA2].values()] == [UNMUTE], "the mute may be on its way"
 
 
-def good(*command: str) -> str:
-    done = beatrix(*command)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
-
-
-def lessons(settings: Settings) -> list[reports.Row]:
-    """Return the reports of lessons that the router keeps."""
-    with patiently(lambda: Client(settings)) as client:
-        return reports.read(client)
-
-
 @pytest.mark.long("restarts a class")
 def test_a_robot_that_was_away_gets_the_decisions_of_the_teacher_and_none_of_a_seat(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -88,16 +74,16 @@ def test_a_robot_that_was_away_gets_the_decisions_of_the_teacher_and_none_of_a_s
                 assert list(sent.replies(5.0)) == [], key
         router.settled(ana)
 
-        account = router.account("teacher")
-        settings = Settings("bea2", account.connect, "teacher", account=account)
+        def lessons() -> list[reports.Row]:
+            with router.client("teacher") as client:
+                return reports.read(client)
+
         report = codec.encode(Record(tries=1).state())
         ana.put(keys.lesson("ana", "01-hello"), report, codec.MSGPACK)
-        until(lambda: bool(lessons(settings)), "a report of a lesson")
+        until(lambda: bool(lessons()), "a report of a lesson")
         router.process.end(signal.SIGKILL)
         router.start_again()
-        assert patiently(lambda: lessons(settings)) == [], (
-            "the router forgets the lessons at its end, and no decision"
-        )
+        assert patiently(lessons) == [], "the router forgets the lessons at its end, and no decision"
         line = "bea2 is not online. When it comes, the router of the class applies: "
         assert f"{line}mute ben, limit 20, limit --turn 60, unmute ana" in patiently(
             lambda: good("top", "--once")
@@ -106,7 +92,7 @@ def test_a_robot_that_was_away_gets_the_decisions_of_the_teacher_and_none_of_a_s
             of_node.delenv("BEATRIX_ACCOUNT")
             node = start_node(tmp_path, router.path("bea2"))
         try:
-            with patiently(lambda: Client(settings)) as client:
+            with router.client("teacher") as client:
                 robot = Robot("bea2", "hw", client=client, timeout_s=PATIENCE_S)
 
                 def applied() -> bool:

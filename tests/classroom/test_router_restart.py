@@ -8,21 +8,13 @@ from pathlib import Path
 
 import pytest
 from class_router import ClassRouter, start_node
-from patient_connections import PATIENCE_S, patiently
+from patient_connections import PATIENCE_S
 from robots import ready, until
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh.client import Client, lease
+from beatrix_zenoh.client import lease
 from beatrix_zenoh.contract._generated.messages import LeaseAction
 from beatrix_zenoh.contract.errors import BeatrixError
-from beatrix_zenoh.settings import Settings
-
-
-def robot_of(router: ClassRouter, seat: str) -> Robot:
-    """Return the robot through a new session of a seat."""
-    account = router.account(seat)
-    client = patiently(lambda: Client(Settings("bea1", account.connect, seat, account=account)))
-    return Robot("bea1", "hw", client=client, timeout_s=PATIENCE_S)
 
 
 def reaches(robot: Robot) -> bool:
@@ -39,9 +31,7 @@ def test_a_restart_for_a_new_seat_keeps_lease_queue_mute_and_freeze(tmp_path: Pa
         router = stack.enter_context(ClassRouter(tmp_path, seats='["ana", "ben", "cleo"]'))
         node = start_node(tmp_path, router.path("bea1"))
         stack.callback(node.end)
-        ana, ben, teacher = (robot_of(router, seat) for seat in ("ana", "ben", "teacher"))
-        for robot in (ana, ben, teacher):
-            stack.callback(robot.client.close)
+        ana, ben, teacher = (router.robot("bea1", "hw", seat) for seat in ("ana", "ben", "teacher"))
         waiter = stack.enter_context(ThreadPoolExecutor())
         held = ready(ana).lease()
         waits = waiter.submit(ben.lease, PATIENCE_S)
@@ -52,10 +42,7 @@ def test_a_restart_for_a_new_seat_keeps_lease_queue_mute_and_freeze(tmp_path: Pa
         router.rewrite('"cleo"]', '"cleo", "dora"]')
         router.process.expect("ready")
         until(lambda: all(reaches(robot) for robot in (ana, ben, teacher)), "all are connected again")
-        dora = robot_of(router, "dora")
-        stack.callback(dora.client.close)
-        assert dora.status().holder == "ana"
-        status = dora.status()
+        status = router.robot("bea1", "hw", "dora").status()
         assert (status.holder, status.lease, status.waiting) == ("ana", held.number, ["ben"])
         assert (status.frozen, status.muted) == (True, ["cleo"])
         lease.ask(teacher, LeaseAction.UNFREEZE)

@@ -19,11 +19,10 @@ from beatrix_zenoh.bus.router import DEPTH, below
 from beatrix_zenoh.classroom.router_file import Part
 from beatrix_zenoh.classroom.router_process import OUT_S, TOKENS_MAX, WINDOW_S, Guests
 from beatrix_zenoh.classroom.routers import OFTEN, STUCK, ended
-from beatrix_zenoh.client import Client, lease, lesson_reports
+from beatrix_zenoh.client import lease, lesson_reports
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LeaseAction, LessonState
-from beatrix_zenoh.settings import Settings
 
 PROGRAM = """
 import sys, time
@@ -53,17 +52,10 @@ session.close()
 
 
 @pytest.fixture(scope="module")
-def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
-    with ClassRouter(tmp_path_factory.mktemp("class")) as made:
-        yield made
-
-
-@pytest.fixture(scope="module")
 def teacher(router: ClassRouter, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
     """The robot bea1 through the teacher's session."""
     node = start_node(tmp_path_factory.mktemp("bea1"), router.path("bea1"))
-    account = router.account("teacher")
-    with patiently(lambda: Client(Settings("bea1", account.connect, "teacher", account=account))) as client:
+    with router.client("teacher") as client:
         yield ready(Robot("bea1", "hw", client=client, timeout_s=PATIENCE_S))
     assert node.end() == 0
 
@@ -106,7 +98,7 @@ def attack(router: ClassRouter, kind: str, number: int) -> None:
         ("subscriber", 30_000, "The router of the seats has ended (SIGABRT)"),
         pytest.param("any subscriber", 30_000, "", marks=MORE),
         pytest.param("own queryable", 30_000, "", marks=MORE),
-        ("tokens", 8000, "ana announced more programs"),
+        ("tokens", 2 * TOKENS_MAX, "ana announced more programs"),
     ],
 )
 def test_what_a_seat_declares_reaches_neither_robots_nor_teacher(
@@ -121,8 +113,7 @@ def test_what_a_seat_declares_reaches_neither_robots_nor_teacher(
     assert "router" not in "".join(event.message for event in teacher.past_events()[events:])
     if report:
         router.process.expect(report)
-    account = router.account("ben")
-    patiently(lambda: Client(Settings("bea1", account.connect, "ben", account=account))).close()
+    router.client("ben").close()
 
 
 def test_both_routers_come_back_with_robots_seats_freeze_mute_and_lessons(

@@ -6,19 +6,18 @@ import contextlib
 import json
 import os
 import signal
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
 from pathlib import Path
 
 import msgspec
 import pytest
 from class_router import Answering, ClassRouter, end, process_of, start_node
-from robots import PATIENCE_S, Process, free_endpoint, until
+from robots import PATIENCE_S, Process, assert_fails, free_endpoint, until
 from shell import beatrix
 
 from beatrix_zenoh import NoAnswer, Robot
 from beatrix_zenoh.account import Account
-from beatrix_zenoh.bus import Bus, Incoming
+from beatrix_zenoh.bus import Incoming
 from beatrix_zenoh.classroom.router_file import Part
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.contract._generated import keys
@@ -28,68 +27,13 @@ from beatrix_zenoh.settings import Settings
 HW = "hw"
 
 
-class Lesson:
-    """A class with the robot bea1 online; other robots are started by the tests."""
-
-    def __init__(self, router: ClassRouter, folder: Path) -> None:
-        self.router, self.folder = router, folder
-
-    def file(self, account: Account) -> Path:
-        """Write an account file."""
-        path = self.folder / f"{account.name}.toml"
-        path.write_text(account.text())
-        return path
-
-
 @pytest.fixture(scope="module")
-def lesson(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Lesson]:
-    with ClassRouter(tmp_path_factory.mktemp("class")) as router:
-        made = Lesson(router, tmp_path_factory.mktemp("lesson"))
-        node = start_node(tmp_path_factory.mktemp("bea1"), router.path("bea1"))
+def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
+    """A class with the robot bea1 online; other robots are started by the tests."""
+    with ClassRouter(tmp_path_factory.mktemp("class")) as made:
+        node = start_node(tmp_path_factory.mktemp("bea1"), made.path("bea1"))
         yield made
         assert node.end() == 0
-
-
-@dataclass
-class Case:
-    """A request that gets no answer: the account that sends it, and the robot."""
-
-    account: Account
-    name: str = "bea1"
-    side: str = HW
-
-
-@contextlib.contextmanager
-def no_router(lesson: Lesson) -> Iterator[Case]:
-    nowhere = free_endpoint().replace("tcp", "tls")
-    yield Case(msgspec.structs.replace(lesson.router.account("ana"), connect=nowhere))
-
-
-@contextlib.contextmanager
-def wrong_account(lesson: Lesson) -> Iterator[Case]:
-    yield Case(lesson.router.former("ana"))
-
-
-@contextlib.contextmanager
-def denied(lesson: Lesson) -> Iterator[Case]:
-    """A request to another seat's own robot, which the router refuses."""
-    with connected(lesson, "ana") as bus:
-        for key in (keys.clock("ana", HW), keys.command("ana", HW, "*")):
-            Answering(bus, key)
-        bus.declare_token(keys.alive("ana", HW))
-        lesson.router.settled(bus)
-        yield Case(lesson.router.account("ben"), "ana")
-
-
-@contextlib.contextmanager
-def absent(lesson: Lesson) -> Iterator[Case]:
-    """A request to the absent simulation of a robot whose hardware is online."""
-    yield Case(lesson.router.account("ana"), side="sim")
-
-
-@contextlib.contextmanager
-def unknown(lesson: Lesson) -> Iterator[Case]:
-    yield Case(lesson.router.account("ana"), "bea7")
 
 
 NODE = """
@@ -109,94 +53,77 @@ threading.Event().wait()
 """
 
 
-@contextlib.contextmanager
-def node_of_its_own(lesson: Lesson) -> Iterator[Process]:
-    """A node of bea2 in a process of its own, which replies to no query."""
-    script = lesson.folder / "node.py"
+def node_of_its_own(router: ClassRouter, stack: contextlib.ExitStack) -> Process:
+    """Start a node of bea2 in a process of its own, which replies to no query."""
+    script = router.folder / "node.py"
     script.write_text(NODE)
-    node = Process(str(script), str(lesson.router.path("bea2")), traced=False)
-    try:
-        node.expect("ready")
-        yield node
-    finally:
-        node.end(signal.SIGKILL)
+    node = Process(str(script), str(router.path("bea2")), traced=False)
+    stack.callback(node.end, signal.SIGKILL)
+    node.expect("ready")
+    return node
 
 
-@contextlib.contextmanager
-def crashed(lesson: Lesson) -> Iterator[Case]:
-    """A node that is killed after it has received the request and before it replies."""
-    with connected(lesson, "bea2") as spy, node_of_its_own(lesson) as node:
+def silent(router: ClassRouter, reason: Reason, stack: contextlib.ExitStack) -> tuple[Account, str, str]:
+    """Return an account and a robot that does not answer it, for this reason."""
+    ana = router.account("ana")
+    match reason:
+        case Reason.NO_ROUTER:
+            return msgspec.structs.replace(ana, connect=free_endpoint().replace("tcp", "tls")), "bea1", HW
+        case Reason.ACCOUNT_REFUSED:
+            return router.former("ana"), "bea1", HW
+        case Reason.NO_ANSWER:  # its hardware is online
+            return ana, "bea1", "sim"
+        case Reason.NO_SUCH_ROBOT:
+            return ana, "bea7", HW
+    node = node_of_its_own(router, stack)
+    if reason is Reason.NODE_LOST:
+        spy = stack.enter_context(contextlib.closing(router.open("bea2")))
 
         def kill(incoming: Incoming) -> None:
             os.kill(node.pid, signal.SIGKILL)
             incoming.finish()
 
-        spy.serve(keys.command("bea2", HW, "*"), kill)
-        lesson.router.settled(spy)
-        yield Case(lesson.router.account("ana"), "bea2")
+        spy.serve(keys.command("bea2", HW, "*"), kill)  # the node has received the request, too
+        router.settled(spy)
+    return ana, "bea2", HW  # else its Python hangs, while Zenoh's threads keep its token
 
 
-@contextlib.contextmanager
-def hangs(lesson: Lesson) -> Iterator[Case]:
-    """A node whose Python hangs, while Zenoh's threads keep its token; its process does not wait for this one."""
-    with node_of_its_own(lesson):
-        yield Case(lesson.router.account("ana"), "bea2")
-
-
-@contextlib.contextmanager
-def connected(lesson: Lesson, name: str) -> Iterator[Bus]:
-    """Open a session of an account; close it at the end of the block."""
-    with contextlib.closing(lesson.router.open(name)) as bus:
-        yield bus
-
-
-TABLE = [
-    (no_router, Reason.NO_ROUTER, "No router of class 8b at"),
-    (wrong_account, Reason.ACCOUNT_REFUSED, "refuses account ana of class 8b"),
-    (
-        denied,
-        Reason.ACCESS_DENIED,
-        "ana (hw) is online, but the router refuses this request: account ben",
-    ),
-    (
-        absent,
-        Reason.NO_ANSWER,
-        "bea1 (sim) is not online. Online: bea1 (hw). Account ana may not start it",
-    ),
-    (
-        unknown,
-        Reason.NO_SUCH_ROBOT,
-        "bea7 (hw) is not online, and no robot has this name. Online: bea1 (hw)",
-    ),
-    (crashed, Reason.NODE_LOST, "bea2 (hw) is no longer online: its node has crashed"),
-    (hangs, Reason.NODE_HANGS, "bea2 (hw) is online but did not answer within"),
-]
-Provoke = Callable[[Lesson], "contextlib.AbstractContextManager[Case]"]
-
-
-def enable(case: Case, timeout_s: float) -> None:
-    """Send the request of a case with the SDK."""
-    account = case.account
+def enable(account: Account, name: str, side: str, timeout_s: float) -> None:
+    """Send a request with the SDK."""
     with Client(Settings("", account.connect, account.name, account=account)) as client:
         client.robots()  # a node counts as lost only if this client has seen it online before
-        Robot(case.name, case.side, client=client, timeout_s=timeout_s).enable()
+        Robot(name, side, client=client, timeout_s=timeout_s).enable()
 
 
-@pytest.mark.parametrize(("make", "reason", "sentence"), TABLE, ids=[row[0].__name__ for row in TABLE])
+@pytest.mark.parametrize(
+    ("reason", "sentence"),
+    [
+        (Reason.NO_ROUTER, "No router of class 8b at"),
+        (Reason.ACCOUNT_REFUSED, "refuses account ana of class 8b"),
+        (Reason.NO_ANSWER, "bea1 (sim) is not online. Online: bea1 (hw). Account ana may not start it"),
+        (Reason.NO_SUCH_ROBOT, "bea7 (hw) is not online, and no robot has this name. Online: bea1 (hw)"),
+        (Reason.NODE_LOST, "bea2 (hw) is no longer online: its node has crashed"),
+        (Reason.NODE_HANGS, "bea2 (hw) is online but did not answer within"),
+    ],
+)  # test_lesson.py has a request that the router denies
 def test_the_sdk_raises_the_reason_of_each_missing_answer(
-    lesson: Lesson, make: Provoke, reason: Reason, sentence: str
+    router: ClassRouter, reason: Reason, sentence: str
 ) -> None:
-    with make(lesson) as case, pytest.raises(NoAnswer) as caught:
-        enable(case, PATIENCE_S if reason is Reason.NODE_LOST else 0.5)
+    with contextlib.ExitStack() as stack:
+        asked = silent(router, reason, stack)
+        with pytest.raises(NoAnswer) as caught:
+            enable(*asked, timeout_s=PATIENCE_S if reason is Reason.NODE_LOST else 0.5)
     assert (caught.value.reason, sentence in caught.value.message) == (reason, True), caught.value.message
 
 
-def test_doctor_ends_at_a_refused_account(lesson: Lesson, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(lesson.folder)
+def test_doctor_ends_at_a_refused_account(
+    router: ClassRouter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "ana.toml").write_text(router.former("ana").text())
+    monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MUJOCO_GL", "off")  # skips the check of OpenGL, which is not needed here
-    with wrong_account(lesson) as case:
-        monkeypatch.setenv("BEATRIX_ACCOUNT", str(lesson.file(case.account)))
-        done = beatrix("doctor", "--json")
+    monkeypatch.setenv("BEATRIX_ACCOUNT", "ana.toml")
+    done = beatrix("doctor", "--json")
     found = {row["what"]: row for row in json.loads(done.stdout)["findings"]}
     assert (done.returncode, found["account"]["state"], "bea1 (hw)" in found) == (1, "todo", False)
     assert "beatrix join ana.toml" in found["account"]["todo"]
@@ -214,8 +141,7 @@ def test_a_program_whose_router_was_lost_does_not_report_that_the_robot_was(tmp_
             try:
                 end(router, Part.SEATS)
                 until(lambda: client.losses > 0 and client.bus.connected, "a new router of the seats")
-                with pytest.raises(NoAnswer, match="and a router answers there again") as caught:
-                    Robot("bea1", HW, client=client).enable()
+                robot = Robot("bea1", HW, client=client)
+                assert_fails(robot.enable, NoAnswer, Reason.NO_ROUTER, "and a router answers there again")
             finally:
                 os.kill(other, signal.SIGCONT)
-    assert caught.value.reason is Reason.NO_ROUTER

@@ -1,4 +1,4 @@
-"""Cameras of a simulation; tests/nodes/test_cameras.py has those of the hardware."""
+"""Cameras of a simulation; tests/nodes/test_usb_cameras.py has those of the hardware."""
 
 from __future__ import annotations
 

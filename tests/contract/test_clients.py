@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import threading
-from typing import Self
 
 import pytest
 from bodies import Body
-from robots import ask_raw, until
+from floods import Flood
+from robots import ask_raw, assert_fails, turning, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot
-from beatrix_zenoh.bus import Query
 from beatrix_zenoh.client.stopping import publish_stop
 from beatrix_zenoh.contract import codec
-from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import CommandReply, PoseQuery, Positions, Reason
+from beatrix_zenoh.contract._generated.messages import CommandReply, Positions, Reason
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.node.callers import QUIET_S
 
@@ -28,9 +26,7 @@ def test_a_second_client_is_refused_with_the_holders_name_and_the_motion_continu
 ) -> None:
     other = body.robot("ben")
     motion = robot.look(yaw=8, speed=10, wait=False)
-    with pytest.raises(Refused, match="ana drives") as refusal:
-        other.look(yaw=-20)
-    assert refusal.value.reason is Reason.NOT_HOLDER
+    assert_fails(lambda: other.look(yaw=-20), Refused, Reason.NOT_HOLDER, "ana drives")
     for request in (other.disable, other.calibrate, other.home):
         with pytest.raises(Refused) as refusal:
             request()
@@ -43,12 +39,9 @@ def test_a_second_client_is_refused_with_the_holders_name_and_the_motion_continu
     "form", ["{}/stop", "{}/stop/ben", "{}/stop/Ben!", "beatrix/*/*/stop", "beatrix/**/stop/ben"]
 )
 def test_a_put_on_a_stop_key_stops_the_robot(robot: Robot, form: str) -> None:
-    motion = robot.look(yaw=60, wait=False)
-    until(lambda: robot.positions().commanded.short > 1, "moving")
+    motion = turning(robot)
     robot.client.bus.put(form.format(f"beatrix/{robot.name}/{robot.side}"), b"", "text/plain", "real_time")
-    with pytest.raises(Interrupted) as ended:
-        motion.wait()
-    assert ended.value.reason is Reason.STOPPED
+    assert_fails(motion.wait, Interrupted, Reason.STOPPED)
 
 
 @pytest.mark.parametrize("form", ["{}/stop", "{}/stop/ben", "beatrix/*/*/stop/ben", "beatrix/**/stop/ben"])
@@ -108,38 +101,6 @@ def test_the_motion_of_a_client_that_disconnects_is_stopped(body: Body, robot: R
     assert robot.status().holder == ""
 
 
-class Flood:
-    """A client that sends targets as fast as Zenoh accepts them, without reading a reply."""
-
-    def __init__(self, robot: Robot) -> None:
-        self.sent = 0
-        self._robot = robot
-        self._over = threading.Event()
-        self._thread = threading.Thread(target=self._run)
-        self._queries: list[Query] = []
-
-    def _run(self) -> None:
-        bus, key = self._robot.client.bus, keys.pose(self._robot.name, self._robot.side, "ana")
-        while not self._over.is_set():
-            query = codec.encode(PoseQuery(yaw=0.7 + 0.05 * (self.sent % 2)))
-            self._queries.append(bus.query(key, query, codec.MSGPACK))
-            self.sent += 1
-            if len(self._queries) > 500:
-                self._queries.pop(0).close()
-
-    def __enter__(self) -> Self:
-        self._thread.start()
-        return self
-
-    def __exit__(self, *exc: object) -> None:
-        self._over.set()
-        self._thread.join()
-        for query in self._queries:
-            query.close()
-        self._robot.timeout_s = 10.0
-        self._robot.info()  # waits, because it is answered after the queries that are still arriving
-
-
 @pytest.mark.bodies("sim", "in-process", safety=True)
 def test_the_robot_stays_stopped_while_another_client_floods_it(body: Body, robot: Robot) -> None:
     other = body.robot("ben")
@@ -167,13 +128,10 @@ def test_the_robot_stays_stopped_while_another_client_floods_it(body: Body, robo
 
 def test_a_stopped_seat_must_pause_before_it_moves_again(body: Body, robot: Robot) -> None:
     other = body.robot("ben")
-    robot.look(yaw=40, wait=False)
-    until(lambda: robot.positions().commanded.short > 1, "moving")
+    turning(robot, 40)
     other.stop()
     rest = robot.positions().commanded
-    with pytest.raises(Refused, match="STOP") as refusal:
-        robot.look(yaw=40)
-    assert refusal.value.reason is Reason.STOPPED
+    assert_fails(lambda: robot.look(yaw=40), Refused, Reason.STOPPED, "STOP")
     assert robot.positions().commanded == rest
 
     def moves_again() -> bool:

@@ -11,10 +11,9 @@ import pytest
 from bodies import Body
 from late_tests import in_time
 from published import Published, published_positions
-from robots import ask_raw, until
+from robots import raw_positions, until
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Head, Positions, Steps, Vector3
 from beatrix_zenoh.motion.gear import Arms, Gear
@@ -37,12 +36,6 @@ def counts(steps: Steps) -> tuple[int, int, int]:
 
 def angles(head: Head) -> Arms:
     return head.yaw, head.pitch, head.roll
-
-
-def ask_positions(robot: Robot) -> Positions:
-    """Query the newest positions."""
-    (answer,) = ask_raw(robot.client, keys.positions(robot.name, robot.side))
-    return codec.decode_json(answer.payload, Positions)
 
 
 def arms_of_pose() -> Arms:
@@ -82,8 +75,8 @@ def test_fields_during_a_motion(body: Body, robot: Robot) -> None:
             assert at.position == at.commanded, "counted steps"
             assert at.head_measured is None
     assert len({counts(at.steps) for at in samples}) > 10
-    assert counts(ask_positions(robot).steps) == gear.to_steps(goal)
-    assert arms(ask_positions(robot).commanded) == pytest.approx(goal, abs=math.tau / gear.steps_per_turn)
+    assert counts(raw_positions(robot).steps) == gear.to_steps(goal)
+    assert arms(raw_positions(robot).commanded) == pytest.approx(goal, abs=math.tau / gear.steps_per_turn)
 
 
 def assert_velocity_is_the_change_of_position(samples: list[Positions]) -> None:
@@ -111,7 +104,7 @@ def test_a_simulation_measures_its_position_and_head(robot: Robot) -> None:
             assert angles(at.head_measured) == pytest.approx(angles(at.head), abs=math.radians(0.5))
     assert any(at.head_measured is not None for at in samples)
     until(
-        lambda: arms(ask_positions(robot).position) == pytest.approx(arms_of_pose(), abs=math.radians(0.25)),
+        lambda: arms(raw_positions(robot).position) == pytest.approx(arms_of_pose(), abs=math.radians(0.25)),
         "the arms at rest at the goal",
     )
 
@@ -129,7 +122,7 @@ def test_number_and_times_of_publications(body: Body, robot: Robot) -> None:
     queried = []
     for _ in range(5):
         before = positions.all[-1].seq
-        queried.append(ask_positions(robot))
+        queried.append(raw_positions(robot))
         assert before <= queried[-1].seq, "a query returns the newest"
     samples = list(one_second(positions))
     ended_ns, ended_wall_ns = time.monotonic_ns(), time.time_ns()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from robots import assert_fails
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.client.degrees import bearing
@@ -15,9 +16,7 @@ def test_limits_and_geometry_are_in_degrees(robot: Robot) -> None:
     kinematics = robot.kinematics()
     assert (kinematics.limits, kinematics.geometry) == (robot.info().limits, robot.info().geometry)
     assert 30 <= kinematics.limits.tilt_max <= 90
-    with pytest.raises(Refused) as refused:
-        kinematics.inverse(pitch=80)
-    assert refused.value.reason is Reason.OUT_OF_REACH
+    assert_fails(lambda: kinematics.inverse(pitch=80), Refused, Reason.OUT_OF_REACH)
     with pytest.raises(BeatrixError):
         kinematics.forward(0, 120, 0)
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 from bodies import Body
-from robots import until
+from robots import assert_fails, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh.client import lease
@@ -29,19 +29,13 @@ def left_free(body: Body) -> Iterator[None]:
     body.stage.close_clients()
 
 
-def reason_of(refused: pytest.ExceptionInfo[Refused]) -> Reason:
-    return refused.value.reason
-
-
 def test_a_robot_that_is_taken_moves_for_its_holder_only(body: Body, robot: Robot) -> None:
     ben = body.robot("ben")
     with robot.lease() as held:
         status = robot.status()
         assert (status.holder, status.lease) == ("ana", held.number)
         robot.look(yaw=2, speed=60)
-        with pytest.raises(Refused, match="ana has taken this robot") as refused:
-            ben.look(yaw=-2)
-        assert reason_of(refused) is Reason.NOT_HOLDER
+        assert_fails(lambda: ben.look(yaw=-2), Refused, Reason.NOT_HOLDER, "ana has taken this robot")
         ben.stop()
     until(lambda: robot.status().holder == "", "given back")
     ben.look(yaw=0, speed=60)
@@ -63,17 +57,13 @@ def test_the_seat_that_waits_gets_the_robot_when_the_holder_leaves(body: Body, r
 
 def test_a_frozen_robot_moves_for_the_teacher_only(body: Body, robot: Robot) -> None:
     teacher = body.robot("teacher")
-    with pytest.raises(Refused) as refused:
-        lease.ask(robot, LeaseAction.FREEZE)
-    assert reason_of(refused) is Reason.TEACHER_ONLY
+    assert_fails(lambda: lease.ask(robot, LeaseAction.FREEZE), Refused, Reason.TEACHER_ONLY)
     motion = robot.look(yaw=25, wait=False)
     lease.ask(teacher, LeaseAction.FREEZE)
     with pytest.raises(Interrupted, match="by the teacher, who has frozen the robot"):
         motion.wait()
     assert robot.status().frozen
-    with pytest.raises(Refused) as refused:
-        robot.look(yaw=0)
-    assert reason_of(refused) is Reason.FROZEN
+    assert_fails(lambda: robot.look(yaw=0), Refused, Reason.FROZEN)
     teacher.look(yaw=1, speed=60)
     lease.ask(teacher, LeaseAction.UNFREEZE)
     assert not robot.status().frozen
@@ -81,9 +71,9 @@ def test_a_frozen_robot_moves_for_the_teacher_only(body: Body, robot: Robot) -> 
 
 def test_the_speed_limit_of_the_teacher_stops_and_refuses_faster_motions(body: Body, robot: Robot) -> None:
     teacher = body.robot("teacher")
-    with pytest.raises(Refused) as refused:
-        lease.ask(teacher, LeaseAction.LIMIT, lease.limit_of(2.0))
-    assert reason_of(refused) is Reason.SPEED_LIMIT
+    assert_fails(
+        lambda: lease.ask(teacher, LeaseAction.LIMIT, lease.limit_of(2.0)), Refused, Reason.SPEED_LIMIT
+    )
     motion = robot.look(yaw=60, speed=30, wait=False)
     assert (
         "A faster motion was stopped" in lease.ask(teacher, LeaseAction.LIMIT, lease.limit_of(10.0)).message
@@ -95,11 +85,8 @@ def test_the_speed_limit_of_the_teacher_stops_and_refuses_faster_motions(body: B
         "this motion is slow enough"
     )
     home.wait()
-    with pytest.raises(
-        Refused, match=r"the teacher's limit of 10\.0°/s applies\. Try a speed of 10\.0°/s"
-    ) as refused:
-        robot.look(yaw=2, speed=60)
-    assert reason_of(refused) is Reason.SPEED_LIMIT
+    advice = r"the teacher's limit of 10\.0°/s applies\. Try a speed of 10\.0°/s"
+    assert_fails(lambda: robot.look(yaw=2, speed=60), Refused, Reason.SPEED_LIMIT, advice)
     assert robot.look(yaw=5).duration > 0.5
     assert robot.status().speed_limit == pytest.approx(0.1745, abs=0.001)
     lease.ask(teacher, LeaseAction.LIMIT)
@@ -111,9 +98,8 @@ def test_a_turn_ends_in_mid_move_and_the_next_seat_gets_the_robot(body: Body, ro
     teacher, ben = body.robot("teacher"), body.robot("ben")
     assert "at most 5 s" in lease.send(teacher, LeaseQuery(action=LeaseAction.TURN, longest_s=5)).message
     held = lease.Lease(robot, 0.0, speed=math.radians(10))
-    with pytest.raises(Refused) as refused:
-        robot.look(yaw=5, speed=20)
-    assert reason_of(refused) is Reason.SPEED_LIMIT, "the lease has a speed of its own"
+    # the lease has a speed of its own
+    assert_fails(lambda: robot.look(yaw=5, speed=20), Refused, Reason.SPEED_LIMIT)
     lease.ask(ben, LeaseAction.WAIT)
     assert 0 < robot.status().turn_s <= 5
     motion = robot.look(yaw=100, wait=False)

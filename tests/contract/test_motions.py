@@ -7,13 +7,12 @@ import math
 import pytest
 from bodies import EVERY
 from late_tests import in_time
-from robots import ask_raw, until
+from robots import ask_raw, assert_fails, raw_positions, turning, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, suggestion
-from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import MotionReply, Phase, PoseQuery, Positions, Reason
+from beatrix_zenoh.contract._generated.messages import MotionReply, Phase, PoseQuery, Reason
 from beatrix_zenoh.motion.gear import Gear
 from beatrix_zenoh.motion.kinematics import Neck
 
@@ -22,20 +21,10 @@ STEP_DEG = 360 / Gear().steps_per_turn
 MEASURED_DEG = 0.25
 
 
-def raw_positions(robot: Robot) -> Positions:
-    """Return the positions in rad, with steps."""
-    key = keys.positions(robot.name, robot.side)
-    return ask(robot.client, robot.place, key, None, Positions, 2.0)
-
-
-def near(angles: tuple[float, ...], wanted: tuple[float, ...], tolerance: float) -> bool:
-    return all(abs(a - b) <= tolerance for a, b in zip(angles, wanted, strict=True))
-
-
 def assert_rests_at(robot: Robot, arms: tuple[float, float, float]) -> None:
     """Assert that commanded angles are within a step at once, and measured ones within 0.25 deg when the head rests."""
-    assert near(robot.positions().commanded, arms, STEP_DEG)
-    until(lambda: near(robot.positions().arms, arms, MEASURED_DEG), f"measured arms at {arms}")
+    assert robot.positions().commanded == pytest.approx(arms, abs=STEP_DEG)
+    until(lambda: robot.positions().arms == pytest.approx(arms, abs=MEASURED_DEG), f"measured arms at {arms}")
 
 
 def test_an_absolute_motion_ends_at_the_target(robot: Robot) -> None:
@@ -54,7 +43,7 @@ def test_look_turns_the_head_to_the_pose(robot: Robot) -> None:
     wanted = Neck().inverse(*map(math.radians, (15, -8, 5)))
     short, middle, long = map(math.degrees, wanted)
     assert_rests_at(robot, (short, middle, long))
-    until(lambda: near(robot.positions().head, (15, -8, 5), 0.4), "head at the pose")
+    until(lambda: robot.positions().head == pytest.approx((15, -8, 5), abs=0.4), "head at the pose")
 
 
 @pytest.mark.measures_time
@@ -76,16 +65,13 @@ def test_a_motion_gets_two_replies_accepted_and_done(robot: Robot) -> None:
 def test_a_newer_motion_replaces_the_running_one(robot: Robot) -> None:
     first = robot.look(yaw=40, wait=False)
     robot.look(yaw=-5, speed=60)
-    with pytest.raises(Interrupted) as ended:
-        first.wait()
-    assert ended.value.reason is Reason.REPLACED
+    assert_fails(first.wait, Interrupted, Reason.REPLACED)
     assert_rests_at(robot, (-5, -5, -5))
 
 
 @pytest.mark.bodies(*EVERY, safety=True)
 def test_the_reply_to_stop_has_the_exact_rest_position(robot: Robot) -> None:
-    motion = robot.look(yaw=60, wait=False)
-    until(lambda: robot.positions().commanded.short > 3, "moving")
+    motion = turning(robot)
     reply = robot.stop()
     rest = raw_positions(robot)
     assert "rest at" in reply.message
@@ -96,14 +82,8 @@ def test_the_reply_to_stop_has_the_exact_rest_position(robot: Robot) -> None:
         rest.steps.z,
     )
     assert math.degrees(reply.position.x) < 30
-    with pytest.raises(Interrupted) as ended:
-        motion.wait()
-    assert ended.value.reason is Reason.STOPPED
+    assert_fails(motion.wait, Interrupted, Reason.STOPPED)
     assert not robot.status().moving
-
-
-def test_the_reply_to_stop_at_rest_says_that_nothing_moves(robot: Robot) -> None:
-    assert "Nothing moves" in robot.stop().message
 
 
 REFUSALS = [

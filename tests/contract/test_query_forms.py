@@ -19,35 +19,9 @@ from beatrix_zenoh.contract._generated.messages import LeaseAction
 pytestmark = pytest.mark.bodies("in-process")
 
 
-def key_of(robot: Robot, action: str) -> str:
-    return f"beatrix/{robot.name}/{robot.side}/cmd/ana/{action}"
-
-
-def last_json(robot: Robot, selector: str, payload: bytes | None = None) -> dict[str, object]:
-    """Assert that the last reply is one line of JSON, as z_get prints it; return it decoded."""
-    answer = ask_raw(robot.client, selector, payload)[-1]
-    assert answer.encoding == codec.JSON
-    assert b"\n" not in answer.payload
-    value: dict[str, object] = json.loads(answer.payload)
-    return value
-
-
-@pytest.mark.parametrize(
-    ("parameters", "payload"),
-    [
-        ("?x=.05;y=.05;z=.05;speed_x=1;speed_y=1;speed_z=1", None),
-        ("", b'{"position":{"x":0.05,"y":0.05,"z":0.05}}'),
-    ],
-)
-def test_a_motion_in_text_is_answered_in_json(robot: Robot, parameters: str, payload: bytes | None) -> None:
-    reply = last_json(robot, key_of(robot, "motion") + parameters, payload)
-    assert (reply["result"], reply["phase"]) == (True, "done"), reply
-    assert robot.positions().commanded.short == pytest.approx(math.degrees(0.05), abs=0.09)
-
-
 def test_msgpack_of_another_library_is_answered_in_msgpack(robot: Robot) -> None:
     query = msgpack.packb({"absolute": True, "position": {"x": 0.02, "y": 0.02, "z": 0.02}})
-    answers = ask_raw(robot.client, key_of(robot, "motion"), query, codec.MSGPACK)
+    answers = ask_raw(robot.client, keys.motion(*robot.place, "ana"), query, codec.MSGPACK)
     assert [msgpack.unpackb(answer.payload)["phase"] for answer in answers] == ["accepted", "done"]
 
 
@@ -57,17 +31,17 @@ def test_a_motion_query_with_wildcards_moves_no_robot(robot: Robot, key: str) ->
     selector = f"beatrix/{key.format(robot.name, robot.side)}?x=0.3;y=0.3;z=0.3"
     answers = [json.loads(answer.payload) for answer in ask_raw(robot.client, selector)]
     assert answers
-    assert not any(answer["result"] for answer in answers if "tilt_max" not in answer), (
-        "a preview moves nothing"
-    )
+    assert not any(answer["result"] for answer in answers if "tilt_max" not in answer), "no preview"
     own = f"beatrix/{robot.name}/{robot.side}/cmd/"
     assert any(answer["detail"]["known"][0].startswith(own) for answer in answers if answer["detail"])
     assert robot.positions().commanded == (0, 0, 0)
 
 
 @pytest.mark.parametrize("seat", ["legacy", "arm-topics"])
-def test_a_reserved_seat_is_refused(robot: Robot, seat: str) -> None:
-    reply = last_json(robot, f"beatrix/{robot.name}/{robot.side}/cmd/{seat}/pose?yaw=0.1")
+def test_a_reserved_seat_is_refused_in_one_line_of_json(robot: Robot, seat: str) -> None:
+    (answer,) = ask_raw(robot.client, keys.pose(*robot.place, seat) + "?yaw=0.1")
+    assert (answer.encoding, b"\n" in answer.payload) == (codec.JSON, False)
+    reply = json.loads(answer.payload)
     assert (reply["reason"], reply["result"]) == ("BAD_VALUE", False)
     assert "choose another" in str(reply["message"])
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 from bodies import EVERY
-from robots import ready, until
+from robots import assert_fails, ready, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot
 from beatrix_zenoh.contract import codec
@@ -17,14 +17,10 @@ pytestmark = pytest.mark.bodies(*EVERY)
 def test_switching_the_motors_off_clears_the_calibration_which_a_motion_needs(robot: Robot) -> None:
     robot.disable()
     for request in (robot.calibrate, lambda: robot.look(yaw=5)):
-        with pytest.raises(Refused, match="enable") as refusal:
-            request()
-        assert refusal.value.reason is Reason.NOT_ENABLED
+        assert_fails(request, Refused, Reason.NOT_ENABLED, "enable")
     robot.enable()
     assert not robot.status().calibrated
-    with pytest.raises(Refused, match="calibrate") as refusal:
-        robot.look(yaw=5)
-    assert refusal.value.reason is Reason.NOT_CALIBRATED
+    assert_fails(lambda: robot.look(yaw=5), Refused, Reason.NOT_CALIBRATED, "calibrate")
 
 
 def test_calibrate_makes_the_present_position_home_and_reports_another_home(robot: Robot) -> None:
@@ -37,9 +33,7 @@ def test_calibrate_makes_the_present_position_home_and_reports_another_home(robo
 def test_calibrate_far_from_a_known_home_is_refused(robot: Robot) -> None:
     """The yaw limit, which protects the cables, counts from home; repeated calibration would bypass it."""
     robot.move(20, 20, 20, speed=80)
-    with pytest.raises(Refused, match="20") as refusal:
-        robot.calibrate()
-    assert refusal.value.reason is Reason.HOME_KNOWN
+    assert_fails(robot.calibrate, Refused, Reason.HOME_KNOWN, "20")
     assert robot.positions().commanded == pytest.approx((20, 20, 20), abs=0.1)
     robot.disable()
     robot.enable()
@@ -64,27 +58,19 @@ def test_requests_sent_before_emergency_stop_do_not_switch_the_motors_on(robot: 
 
 def test_disable_ends_a_motion_which_calibrate_does_not(robot: Robot) -> None:
     motion = robot.look(yaw=30, wait=False)
-    with pytest.raises(Refused) as refusal:
-        robot.calibrate()
-    assert refusal.value.reason is Reason.NOT_AT_REST
+    assert_fails(robot.calibrate, Refused, Reason.NOT_AT_REST)
     robot.disable()
-    with pytest.raises(Interrupted) as ended:
-        motion.wait()
-    assert ended.value.reason is Reason.NOT_ENABLED
+    assert_fails(motion.wait, Interrupted, Reason.NOT_ENABLED)
 
 
 @pytest.mark.bodies(*EVERY, safety=True)
 def test_emergency_stop_is_latched_until_reset(robot: Robot) -> None:
     motion = robot.look(yaw=30, wait=False)
     robot.emergency_stop()
-    with pytest.raises(Interrupted) as ended:
-        motion.wait()
-    assert ended.value.reason is Reason.FAULT
+    assert_fails(motion.wait, Interrupted, Reason.FAULT)
     until(lambda: robot.status().fault is Fault.EMERGENCY, "fault shown")
     for request in (robot.enable, robot.calibrate, robot.home, lambda: robot.look(yaw=5)):
-        with pytest.raises(Refused, match="RESET") as refused:
-            request()
-        assert refused.value.reason is Reason.EMERGENCY
+        assert_fails(request, Refused, Reason.EMERGENCY, "RESET")
     robot.disable()
     assert robot.status().fault is Fault.EMERGENCY
     robot.command(Command.RESET)

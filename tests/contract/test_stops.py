@@ -6,7 +6,7 @@ import pytest
 import zenoh
 from bodies import EVERY, Body
 from late_tests import within
-from robots import until
+from robots import turning, until
 
 from beatrix_zenoh import Interrupted, Robot
 from beatrix_zenoh.bus import Query
@@ -19,8 +19,7 @@ pytestmark = pytest.mark.bodies(*EVERY, safety=True)
 
 @pytest.mark.measures_time
 def test_stop_is_answered_within_half_a_second(robot: Robot) -> None:
-    motion = robot.look(yaw=60, wait=False)
-    until(lambda: robot.positions().commanded.short > 3, "moving")
+    motion = turning(robot)
     with within(0.5, "STOP, with 0.2 s to decelerate"):
         robot.stop()
     with pytest.raises(Interrupted):
@@ -52,7 +51,6 @@ def test_a_stop_is_one_event_of_the_seat_that_pressed_it(body: Body, robot: Robo
         robot.status()
         receive(0.3)
     assert [(event.action, event.seat, event.count) for event in received] == [("STOP", "boss", 1)]
-    boss.client.close()
 
 
 @pytest.mark.bodies("in-process")
@@ -72,8 +70,6 @@ def test_a_stop_with_the_session_of_another_seat_is_not_recorded_under_that_seat
         )
         event = next(event for event in events if event.kind is EventKind.STOP)
     assert (event.seat, event.session) == (seat, ben.client.bus.session_id)
-    for other in (ben, cem):
-        other.client.close()
 
 
 def test_stop_is_carried_out_before_waiting_commands(body: Body, robot: Robot) -> None:
@@ -86,7 +82,6 @@ def test_stop_is_carried_out_before_waiting_commands(body: Body, robot: Robot) -
     waiting = sum(map(unanswered, queries))
     for query in queries:
         query.close()
-    boss.client.close()
     assert waiting > 10
 
 

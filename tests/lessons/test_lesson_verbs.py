@@ -218,19 +218,17 @@ def test_lessons_of_another_pupil_further_up_are_not_used(
 def test_a_check_with_the_account_of_the_teacher_is_refused(
     pupil: Path, monkeypatch: pytest.MonkeyPatch, in_use: str, fence: bool, allowed: bool
 ) -> None:
-    def file(name: str, role: Literal["student", "teacher"]) -> Path:
+    roles: dict[str, Literal["student", "teacher"]] = {"teacher": "teacher", "ana": "student"}
+    for name, role in roles.items():
         made = Account("8b", name, role, "tls/127.0.0.1:1", dt.date.max, "", "", "")
         (pupil / f"{name}.toml").write_text(made.text())
-        return pupil / f"{name}.toml"
-
     good("start", "1")
     START.write_text(FILES["solution.py"])
-    files = {"teacher": str(file("teacher", "teacher")), "ana": str(file("ana", "student")), "": ""}
     monkeypatch.setattr(account, "joined", lambda: pupil / "teacher.toml")
     monkeypatch.setattr(sandbox, "bubblewrap_works", lambda: fence)
     monkeypatch.setattr(sandbox.Sandbox, "_bubblewrap", lambda _: [])
     monkeypatch.setattr(lesson_reports, "report", lambda *_: None)
-    monkeypatch.setenv("BEATRIX_ACCOUNT", files[in_use])
+    monkeypatch.setenv("BEATRIX_ACCOUNT", in_use and str(pupil / f"{in_use}.toml"))
     if allowed:
         good("check", "1")
     else:

@@ -81,6 +81,15 @@ def running(folder: Path, text: str, **environment: str) -> Iterator[Run]:
         yield run
 
 
+def failure(folder: Path, text: str, **environment: str) -> Unmet:
+    """Return what is said about a program that ends by itself."""
+    with running(folder, text, **environment) as run:
+        until(lambda: not run.running, "its end")
+        with pytest.raises(Unmet) as unmet:
+            run.check()
+    return unmet.value
+
+
 def test_a_program_has_no_account_and_behind_bubblewrap_sees_no_file_of_the_user(
     fence: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -124,11 +133,7 @@ NO_CORE = "import resource\nresource.setrlimit(resource.RLIMIT_CORE, (0, 0))\n"
     ids=["ends Python", "crash", "kills its guard", "error"],
 )
 def test_the_end_of_a_program_is_told(fence: bool, tmp_path: Path, text: str, error: str) -> None:
-    with running(tmp_path, text) as run:
-        until(lambda: not run.running, "its end")
-        with pytest.raises(Unmet) as unmet:
-            run.check()
-    assert error in str(said(unmet.value.values["error"]))
+    assert error in str(said(failure(tmp_path, text).values["error"]))
 
 
 def test_a_program_that_is_ended_may_bring_its_robot_to_rest_first(fence: bool, tmp_path: Path) -> None:
@@ -183,21 +188,14 @@ if __name__ == "__main__":
 
 
 def test_a_program_for_another_robot_is_told_to_name_none(tmp_path: Path) -> None:
-    with running(tmp_path, ABSENT, **DATA) as run:
-        until(lambda: not run.running, "its end")
-        with pytest.raises(Unmet) as unmet:
-            run.check()
-    assert unmet.value.figure == "other_robot"
+    assert failure(tmp_path, ABSENT, **DATA).figure == "other_robot"
 
 
 def test_a_refusal_reaches_a_german_check_as_data(tmp_path: Path) -> None:
-    with running(tmp_path, LEANS, **DATA) as run:
-        until(lambda: not run.running, "its end")
-        with pytest.raises(Unmet) as of_program:
-            run.check()
+    of_program = failure(tmp_path, LEANS, **DATA)
     with Attempt(written(tmp_path, LEANS), limit_s=5) as tried, pytest.raises(Unmet) as called:
         tried.value("lean")
     german_text = "Refused: Der Kopf stünde 40,1° schräg; höchstens 34,3° sind erlaubt."
     german = find(1, "de")
-    assert checking.verdict(german, of_program.value).found == f"{german_text} (Zeile 5)"
+    assert checking.verdict(german, of_program).found == f"{german_text} (Zeile 5)"
     assert checking.verdict(german, called.value).found == f"{german_text} in lean() (Zeile 5)"

@@ -24,6 +24,13 @@ def stage(bea: Stage) -> Iterator[Stage]:
     bea.close_clients()
 
 
+@pytest.fixture(scope="module")
+def router() -> Iterator[Stage]:
+    """A router without robots for the tests of a file."""
+    with Stage() as made:
+        yield made
+
+
 @pytest.fixture
 def alone() -> Iterator[Stage]:
     """A router for one test."""
@@ -33,9 +40,10 @@ def alone() -> Iterator[Stage]:
 
 @pytest.fixture
 def twin(stage: Stage) -> Iterator[Twin]:
-    """Both robots, enabled and calibrated."""
+    """Both robots, enabled and calibrated, without an emergency latch."""
     with Twin("bea", connect=stage.endpoint, who="ana", timeout_s=10.0) as made:
         made.stop()
+        made.reset()
         made.disable()
         made.enable()
         made.calibrate()
@@ -50,8 +58,7 @@ def place(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
         if request.param == "sim":
             stage.simulation("bea", "--legacy", str(path))
         else:
-            virtual = ("--port", "virtual:", "--legacy", str(path))
-            stage.process("hw_node", "--name", "bea", "--connect", stage.endpoint, *virtual).expect("ready")
+            stage.hardware("bea", "virtual:", "--legacy", str(path))
         yield Place(stage, request.param, path)
 
 

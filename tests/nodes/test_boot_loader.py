@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from avr.mega import HEX, LOADER
-from robots import Stage, ready, until, wait_status
+from robots import Stage, assert_fails, ready, turning, wait_status
 
 from beatrix_zenoh import Interrupted, Refused
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -31,12 +31,9 @@ def test_a_board_with_a_boot_loader_is_found_at_the_start_and_after_a_reset(
     mega = alone.mega(tmp_path / "board", "--firmware", str(flash))
     node = alone.hardware("bea", str(tmp_path / "board"))
     robot = ready(alone.robot("bea", "hw"))
-    motion = robot.look(yaw=60, wait=False)
-    until(lambda: robot.positions().commanded.short > 1, "moving")
+    motion = turning(robot)
     mega.say("reset")
-    with pytest.raises(Interrupted) as ended:
-        motion.wait()
-    assert ended.value.reason is Reason.BOARD_LOST
+    assert_fails(motion.wait, Interrupted, Reason.BOARD_LOST)
     assert robot.positions().velocity.short == 0
     wait_status(robot, lambda status: status.board.connected, "found again")
     node.expect("The board was restarted")
@@ -51,6 +48,4 @@ def test_the_refusal_of_a_new_board_says_to_flash_it(alone: Stage, tmp_path: Pat
     silent = f"{tmp_path / 'board'} is silent. Check that the board is connected to this port."
     assert any(line.startswith(silent) for line in node.lines)
     robot = alone.robot("bea", "hw")
-    with pytest.raises(Refused, match="run `beatrix flash`") as refusal:
-        robot.enable()
-    assert refusal.value.reason is Reason.BOARD_LOST
+    assert_fails(robot.enable, Refused, Reason.BOARD_LOST, "run `beatrix flash`")

@@ -9,13 +9,8 @@ from pathlib import Path
 
 import pytest
 from late_tests import in_time
-from robots import END_S, until
+from robots import END_S, raw_positions, until
 from shell import Shell, beatrix
-
-from beatrix_zenoh import Robot
-from beatrix_zenoh.client.request import ask
-from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Positions, Steps
 
 MINE = """t_s,yaw_deg,pitch_deg,roll_deg,short_deg,middle_deg,long_deg,speed_deg_s,figure
 0.0,0,8,0,,,,60,yes
@@ -33,11 +28,6 @@ def mine(tmp_path: Path) -> str:
     path = tmp_path / "mine.csv"
     path.write_text(MINE, encoding="utf-8")
     return str(path)
-
-
-def steps(robot: Robot) -> Steps:
-    key = keys.positions(robot.name, robot.side)
-    return ask(robot.client, robot.place, key, None, Positions, robot.timeout_s).steps
 
 
 # -- lead ---------------------------------------------------------------------------------------
@@ -64,7 +54,7 @@ def test_look_with_a_lead_counts_down_and_reports_the_lag(free: Shell) -> None:
 def test_ctrl_c_within_the_lead_leaves_the_hardware_unmoved_and_reports_it(free: Shell) -> None:
     free.good("home", "--on", "both")
     with free.robot("hw") as hardware, free.robot("sim") as simulation:
-        before = steps(hardware)
+        before = raw_positions(hardware).steps
         look = free.start("look", "--yaw", "60", "--speed", "30", "--on", "both", "--lead", "20")
         until(lambda: simulation.positions().commanded.short > 2, "the simulation moves")
         look.send_signal(signal.SIGINT)
@@ -72,7 +62,7 @@ def test_ctrl_c_within_the_lead_leaves_the_hardware_unmoved_and_reports_it(free:
         assert look.returncode == 130
         assert "(sim): Stopped;" in output
         assert "(hw): not moved." in output
-        assert steps(hardware) == before
+        assert raw_positions(hardware).steps == before
         assert not simulation.status().moving
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import signal
@@ -10,13 +11,12 @@ from pathlib import Path
 
 import pytest
 from old_programs import Program
-from robots import Process, free_endpoint, routing, start_router, until
+from robots import Process, Stage, children, free_endpoint, until
+from shell import CLI
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.cli import app
-
-CLI = ("-m", "beatrix_zenoh.cli")
 
 
 @pytest.fixture
@@ -33,14 +33,10 @@ def alive(number: int) -> bool:
         return False
 
 
-def children(process: Process) -> dict[str, int]:
+def verbs(process: Process) -> dict[str, int]:
     """Return the process number of each child by its verb."""
-    found = {}
-    for listing in Path(f"/proc/{process.pid}/task").glob("*/children"):
-        for number in listing.read_text().split():
-            words = Path(f"/proc/{number}/cmdline").read_text().split("\0")
-            found[words[words.index("--with-parent") + 1]] = int(number)
-    return found
+    found = children(process.pid).items()
+    return {command.partition("--with-parent ")[2].split()[0]: number for number, command in found}
 
 
 @pytest.fixture(autouse=True)
@@ -50,16 +46,24 @@ def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.fixture
-def up(endpoint: str, temporary: Path) -> Iterator[Process]:
-    """`beatrix up`, with router and virtual robot."""
-    process = Process(*CLI, "up", "--connect", endpoint, "--name", "bea", "--no-sim", "--hw", "virtual:")
+@contextlib.contextmanager
+def running_up(endpoint: str, *options: str) -> Iterator[Process]:
+    """Run `beatrix up` with a virtual robot; kill it if the test has not ended it."""
+    robot = ("--name", "bea", "--no-sim", "--hw", "virtual:")
+    process = Process(*CLI, "up", "--connect", endpoint, *robot, *options)
     try:
-        process.expect("router")
-        process.expect("The output of all processes")
         yield process
     finally:
         process.end(signal.SIGKILL)
+
+
+@pytest.fixture
+def up(endpoint: str, temporary: Path) -> Iterator[Process]:
+    """`beatrix up`, with router and virtual robot."""
+    with running_up(endpoint) as process:
+        process.expect("router")
+        process.expect("The output of all processes")
+        yield process
 
 
 ELSEWHERE = "tcp/192.0.2.7:7447"
@@ -74,20 +78,15 @@ def test_up_does_not_start_the_router_of_another_computer(
     assert "beatrix router --listen tcp/0.0.0.0:7447" in capsys.readouterr().err
 
 
-def test_the_ready_line_says_that_there_is_no_board(endpoint: str, temporary: Path) -> None:
-    named = ("--name", "bea", "--port", f"{temporary}/COM9")
-    with routing(endpoint):
-        robot = Process(*CLI, "hw", *named, "--connect", endpoint)
-        try:
-            assert robot.expect("ready") == "ready beatrix/bea/hw/@alive (no board yet)"
-        finally:
-            assert robot.end() == 0
+def test_the_ready_line_says_that_there_is_no_board(alone: Stage, temporary: Path) -> None:
+    robot = alone.hardware("bea", f"{temporary}/COM9")
+    assert robot.lines[-1] == "ready beatrix/bea/hw/@alive (no board yet)"
 
 
 @pytest.mark.usefixtures("hangup")
 def test_up_ends_everything_with_one_signal(up: Process, temporary: Path) -> None:
     """The shell of other tests ends `up` with SIGINT, and a simulation with it."""
-    started = children(up)
+    started = verbs(up)
     assert set(started) == {"router", "hw"}
     assert up.end(signal.SIGHUP) == 0
     assert not list(temporary.iterdir())
@@ -95,13 +94,13 @@ def test_up_ends_everything_with_one_signal(up: Process, temporary: Path) -> Non
 
 
 def test_all_children_end_when_up_is_killed(up: Process) -> None:
-    started = children(up)
+    started = verbs(up)
     up.end(signal.SIGKILL)
     until(lambda: not any(alive(process) for process in started.values()), "all have ended")
 
 
 def test_up_ends_all_processes_and_fails_when_the_router_ends(up: Process) -> None:
-    started = children(up)
+    started = verbs(up)
     os.kill(started["router"], signal.SIGKILL)
     assert up.wait() == 1
     assert any("router has ended (SIGKILL)" in line for line in up.lines)
@@ -110,11 +109,11 @@ def test_up_ends_all_processes_and_fails_when_the_router_ends(up: Process) -> No
 
 
 def test_up_starts_a_crashed_robot_again_once(up: Process, endpoint: str) -> None:
-    started = children(up)
+    started = verbs(up)
     os.kill(started["hw"], signal.SIGKILL)
     up.expect("The hardware has ended (SIGKILL). It is started again, as if it had just been switched on.")
     assert up.expect("hardware: ready") == "hardware: ready beatrix/bea/hw/@alive"
-    after = children(up)
+    after = verbs(up)
     assert after["router"] == started["router"]
     assert after["hw"] != started["hw"]
     with Robot("bea", "hw", connect=endpoint) as robot:
@@ -125,38 +124,29 @@ def test_up_starts_a_crashed_robot_again_once(up: Process, endpoint: str) -> Non
     command = up.expect("To start it again: beatrix hw --name bea").removeprefix(
         "To start it again: beatrix "
     )
-    assert children(up) == {"router": started["router"]}
+    assert verbs(up) == {"router": started["router"]}
     by_hand = Process(*CLI, *command.split())
     by_hand.expect("ready beatrix/bea/hw/@alive")
     assert by_hand.end() == 0
     assert up.end(signal.SIGINT) == 0
 
 
-def test_up_uses_a_running_router_and_leaves_it_running(endpoint: str) -> None:
-    router = start_router(endpoint)
-    up = Process(*CLI, "up", "--connect", endpoint, "--name", "bea", "--no-sim", "--hw", "virtual:", "--json")
-    try:
+def test_up_uses_a_running_router_and_leaves_it_running(alone: Stage) -> None:
+    with running_up(alone.endpoint, "--json") as up:
         document = json.loads(up.expect("{"))
         assert document["running"] == ["hardware"]
-        with zbus.connect(endpoint) as bus:
+        with zbus.connect(alone.endpoint) as bus:
             assert bus.robots() == [("bea", "hw")]
         assert up.end(signal.SIGINT) == 0
-        zbus.connect(endpoint).close()
-    finally:
-        router.end()
-        up.end(signal.SIGKILL)
+        zbus.connect(alone.endpoint).close()
 
 
 def test_up_gives_old_programs_a_port(endpoint: str, tmp_path: Path) -> None:
     path = tmp_path / "ttyACM0"
-    robots = ("--name", "bea", "--hw", "virtual:", "--no-sim", "--legacy", str(path))
-    up = Process(*CLI, "up", "--connect", endpoint, *robots)
-    try:
+    with running_up(endpoint, "--legacy", str(path)) as up:
         assert up.expect("Programs of 2023 open") == f"Programs of 2023 open {path} and drive the hardware."
         program = Program(path)
         assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
         program.port.close()
         assert up.end(signal.SIGINT) == 0
         assert not path.is_symlink()
-    finally:
-        up.end(signal.SIGKILL)

@@ -30,9 +30,7 @@ def test_live_robots_are_shown_in_a_browser() -> None:
         if sys.platform == "linux":
             assert listening(port) == listening(page) == {"0100007F"}, "no other computer can connect"
         assert allowed_origin(port, f"http://127.0.0.1:{page}") == f"http://127.0.0.1:{page}"
-        assert allowed_origin(port, "https://elsewhere.example") is None, (
-            "browsers let no other page read the data"
-        )
+        assert allowed_origin(port, "https://elsewhere.example") is None, "no other page reads the data"
         assert process.end(signal.SIGTERM) == 0
     assert not answers(port)
     assert not answers(page)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from robots import Stage, ready, until
+from robots import Stage, assert_fails, ready, until
 from statuses import READY
 
 from beatrix_zenoh import Monitor, Refused, Robot
@@ -15,12 +15,7 @@ from beatrix_zenoh.client import Presence
 from beatrix_zenoh.client.stopping import publish_stop
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import (
-    Event,
-    EventKind,
-    Fault,
-    Reason,
-)
+from beatrix_zenoh.contract._generated.messages import Event, EventKind, Fault, Reason
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
 
 PATIENCE_S = 10.0
@@ -79,9 +74,7 @@ def test_make_ready_enables_and_calibrates_as_far_as_needed(robot: Robot) -> Non
 
 def test_make_ready_never_clears_the_emergency_latch(robot: Robot) -> None:
     robot.emergency_stop()
-    with pytest.raises(Refused, match=r"latched.*beatrix reset") as caught:
-        robot.make_ready()
-    assert caught.value.reason is Reason.EMERGENCY
+    assert_fails(robot.make_ready, Refused, Reason.EMERGENCY, r"latched.*beatrix reset")
     assert robot.status().fault is Fault.EMERGENCY
     robot.reset()
     assert not robot.status().enabled
@@ -109,9 +102,7 @@ def test_the_error_of_a_motion_of_a_closed_client_is_shutdown(stage: Stage) -> N
     robot.stop()  # the session that sends STOP need not pause
     motion = ready(robot).look(yaw=90, speed=20, wait=False)
     robot.client.close()
-    with pytest.raises(NoAnswer, match="This program closed its connection") as caught:
-        motion.wait()
-    assert caught.value.reason is Reason.SHUTDOWN
+    assert_fails(motion.wait, NoAnswer, Reason.SHUTDOWN, "This program closed its connection")
     watcher = stage.robot("bea", "hw")
     until(lambda: not watcher.status().holder, "free again")
 

@@ -12,11 +12,11 @@ import pytest
 from late_tests import in_time
 from PIL import Image
 from robots import ROOT, Process
+from shell import CLI, beatrix
 
 from beatrix_zenoh.recording.rrd.read import read
 from beatrix_zenoh.recording.viewer import verify
 
-CLI = ("-m", "beatrix_zenoh.cli")
 RMS_DEG = 0.15
 """Largest RMS difference, with each motion shifted by its own lag: docs/explanation/what-the-twin-shows.md."""
 GAP_S = 0.1
@@ -60,6 +60,5 @@ def test_an_interrupted_demo_stops_the_robots_and_ends_all_processes(tmp_path: P
 
 def test_demo_fails_at_once_if_it_cannot_write(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("", encoding="utf-8")
-    demo = Process(*CLI, "demo", "--out", str(tmp_path / "file"), traced=False)
-    assert demo.wait() == 1
-    assert any("--out" in line for line in demo.lines)
+    done = beatrix("demo", "--out", str(tmp_path / "file"))
+    assert (done.returncode, "--out" in done.stderr) == (1, True)

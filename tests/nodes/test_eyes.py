@@ -2,27 +2,30 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
+import shutil
 import signal
 import subprocess
+import time
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 import pytest
-from robots import Process, Stage, until
-from simulated_pictures import FIRST_S, fresh
+import simplejpeg
+from robots import Process, Stage, children, until
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.client import CameraImage
+from beatrix_zenoh.client.subscription import Subscription
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.node import Node
 from sim_node import eyes, gl
 from sim_node.body import Simulation
+from sim_node.renderer import HEIGHT, WIDTH
 from sim_node.target import HOME
+
+FIRST_S = 60.0
+"""Longest wait (s) for the first picture, for which the node tests and starts a renderer."""
 
 
 @pytest.fixture(scope="module")
@@ -45,18 +48,18 @@ def robot(stage: Stage, sim: Process) -> Iterator[Robot]:
     robot.client.close()
 
 
-def children(process: int) -> dict[int, str]:
-    """Return the numbers and command lines of the living children of a process."""
-    listings = (path.read_text() for path in Path(f"/proc/{process}/task").glob("*/children"))
-    found = {}
-    for number in (int(word) for listing in listings for word in listing.split()):
-        with contextlib.suppress(FileNotFoundError, ProcessLookupError):  # it has just ended
-            found[number] = Path(f"/proc/{number}/cmdline").read_bytes().decode()
-    return found
-
-
 def renderers(process: int) -> list[int]:
     return [number for number, command in children(process).items() if "sim_node.renderer" in command]
+
+
+def fresh(images: Subscription[CameraImage]) -> npt.NDArray[np.uint8]:
+    """Return a picture that was taken after this call; shape (height, width, 3)."""
+    now_ns = time.monotonic_ns()
+    while (image := images.next(FIRST_S)).t_mono_ns <= now_ns:
+        pass
+    assert (image.width, image.height) == (WIDTH, HEIGHT)
+    picture: npt.NDArray[np.uint8] = simplejpeg.decode_jpeg(image.jpeg)
+    return picture
 
 
 def person(picture: npt.NDArray[np.uint8]) -> tuple[float, float]:
@@ -98,7 +101,6 @@ def test_a_renderer_that_crashes_or_hangs_affects_only_the_pictures(stage: Stage
         fresh(images)
         assert not any(eye.trouble for eye in robot.status().cameras)
         assert renderer not in renderers(sim.pid)
-    robot.client.close()
     assert sim.end() == 0
 
 
@@ -107,11 +109,11 @@ def inside(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> Iterator[Robot]:
     """A simulation in this process with short retries."""
     monkeypatch.setattr(eyes, "IDLE_S", 0.1)
     monkeypatch.setattr(eyes, "RETRY_S", 0.1)
-    node = Node(Sessions(lambda: zbus.connect(stage.endpoint)), "inside", Simulation("inside")).start()
+    stage.node("inside", Simulation("inside"))
     robot = stage.robot("inside", "sim")
     yield robot
     robot.client.close()
-    node.close()
+    stage.end_nodes()
 
 
 def test_without_opengl_the_status_says_what_to_install(
@@ -141,8 +143,6 @@ def test_simulations_of_one_process_share_a_renderer_that_the_last_of_them_ends(
         assert len(renderers(both.pid)) == 1
         assert not np.array_equal(seen_by_one, seen_by_two), "each sees its own person"
     assert both.end() == 0
-    one.client.close()
-    two.client.close()
 
 
 def test_without_a_display_the_viewer_prints_one_sentence_and_returns_1(stage: Stage) -> None:
@@ -159,23 +159,14 @@ def test_without_a_display_the_viewer_prints_one_sentence_and_returns_1(stage: S
 @pytest.fixture
 def display(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """A virtual screen."""
-    read, write = os.pipe()
-    try:
-        screen = subprocess.Popen(
-            ["Xvfb", "-displayfd", str(write), "-screen", "0", "640x480x24", "-nolisten", "tcp"],
-            pass_fds=(write,),
-            stderr=subprocess.DEVNULL,
-        )
-    except FileNotFoundError:
-        os.close(read)
-        os.close(write)
+    if shutil.which("Xvfb") is None:
         pytest.skip("no virtual screen on this machine")
-    os.close(write)
-    with os.fdopen(read) as output:
-        monkeypatch.setenv("DISPLAY", f":{output.readline().strip()}")
-    yield
-    screen.terminate()
-    screen.wait(10)
+    words = ["Xvfb", "-displayfd", "1", "-screen", "0", "640x480x24", "-nolisten", "tcp"]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as screen:
+        assert screen.stdout is not None
+        monkeypatch.setenv("DISPLAY", f":{screen.stdout.readline().strip()}")
+        yield
+        screen.terminate()
 
 
 @pytest.fixture(scope="module")
@@ -197,7 +188,6 @@ def test_closing_the_window_does_not_disturb_the_robot(counted: Stage) -> None:
     os.kill(window, signal.SIGKILL)
     assert motion.result(10.0).result
     assert robot.positions().head.yaw == pytest.approx(10, abs=0.5)
-    robot.client.close()
     assert sim.end() == 0
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import signal
 import threading
 import time
@@ -12,15 +13,16 @@ from pathlib import Path
 import pytest
 from late_tests import within
 from pty_board import PtyBoard
-from robots import Stage, ready, until, wait_status
+from robots import Stage, assert_fails, ready, turning, until, wait_status
+from shell import beatrix
 
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated import serial
-from beatrix_zenoh.contract._generated.messages import Command, Fault, Reason
+from beatrix_zenoh.contract._generated.messages import Fault, Reason
 from beatrix_zenoh.node import Node
-from hw_node.body import VirtualHardware
+from hw_node.body import Hardware, VirtualHardware
 
 
 @pytest.fixture
@@ -33,9 +35,9 @@ def stage() -> Iterator[Stage]:
 def test_a_second_node_under_a_name_is_refused_and_the_first_continues(stage: Stage) -> None:
     stage.node("bea")
     robot = ready(stage.robot("bea", "hw"))
-    second = stage.process("hw_node", "--name", "bea", "--connect", stage.endpoint, "--port", "virtual:")
-    assert second.wait() == 1
-    assert any("online" in line and "--name" in line for line in second.lines)
+    second = beatrix("hw", "--name", "bea", "--connect", stage.endpoint, "--port", "virtual:")
+    assert second.returncode == 1
+    assert re.search("online.*--name", second.stderr)
     robot.look(yaw=2, speed=60)
 
 
@@ -67,9 +69,7 @@ def test_a_killed_node_is_lost_at_once_and_may_return(stage: Stage) -> None:
     robot = ready(stage.robot("bea", "hw"))
     motion = robot.look(yaw=30, wait=False)
     process.end(signal.SIGKILL)
-    with pytest.raises(NoAnswer) as lost:
-        motion.wait()
-    assert lost.value.reason is Reason.NODE_LOST
+    assert_fails(motion.wait, NoAnswer, Reason.NODE_LOST)
     stage.node("bea")
     assert not robot.status().calibrated, "the home of a restarted board is not known"
     ready(robot).look(yaw=2, speed=60)
@@ -82,10 +82,7 @@ def test_a_signal_stops_the_arms_and_ends_the_node(stage: Stage, module: str, nu
     robot = ready(stage.robot("bea", side))
     motion = robot.look(yaw=60, wait=False)
     process.send(number)
-    with pytest.raises(Interrupted) as ended:
-        motion.wait()
-    assert ended.value.reason is Reason.SHUTDOWN
-    assert "which is closing; the arms rest at" in ended.value.message
+    assert_fails(motion.wait, Interrupted, Reason.SHUTDOWN, "which is closing; the arms rest at")
     assert process.wait() == 0
     assert "Traceback" not in "\n".join(process.lines)
 
@@ -122,14 +119,14 @@ def test_an_unplugged_board_ends_the_motion_and_is_found_again(stage: Stage, tmp
     with PtyBoard(tmp_path / "board") as board:
         stage.hardware("bea", str(board.path))
         robot = ready(stage.robot("bea", "hw"))
-        motion = robot.look(yaw=40, wait=False)
-        until(lambda: robot.positions().commanded.short > 1, "moving")
+        motion = turning(robot, 40)
         board.unplug()
         with within(0.8, "the board is lost after 0.5 s, and shown"):
             wait_status(robot, lambda status: status.fault is Fault.BOARD_LOST, "board lost shown")
-        with pytest.raises(Interrupted) as ended:
-            motion.wait()
-        assert ended.value.reason is Reason.BOARD_LOST
+        lost = robot.status()
+        assert (lost.enabled, lost.calibrated, lost.moving) == (False, False, False), "its state is unknown"
+        assert any("silent" in warning for warning in lost.warnings)
+        assert_fails(motion.wait, Interrupted, Reason.BOARD_LOST)
         with pytest.raises((Refused, NoAnswer), match="board"):
             robot.look(yaw=2)
         board.plug()
@@ -142,27 +139,22 @@ def test_an_unplugged_board_ends_the_motion_and_is_found_again(stage: Stage, tmp
 def test_a_motion_that_begins_just_after_stop_is_stopped_too(stage: Stage) -> None:
     node = stage.node("bea")
     robot = ready(stage.robot("bea", "hw"))
-    motion = robot.look(yaw=40, wait=False)
-    until(lambda: robot.positions().commanded.short > 1, "moving")
+    motion = turning(robot, 40)
     node.controller.stop_sent()  # as if STOP had reached the board before the motion
-    with pytest.raises(Interrupted) as ended:
-        motion.wait()
-    assert ended.value.reason is Reason.STOPPED
+    assert_fails(motion.wait, Interrupted, Reason.STOPPED)
 
 
 def test_a_new_node_shows_the_latch_of_the_board(stage: Stage, tmp_path: Path) -> None:
     with PtyBoard(tmp_path / "board") as board:
-        process = stage.hardware("bea", str(board.path))
+        stage.node("bea", Hardware(str(board.path)))
         ready(stage.robot("bea", "hw")).emergency_stop()
-        process.end()
-        stage.hardware("bea", str(board.path))
+        stage.end_nodes()
+        stage.node("bea", Hardware(str(board.path)))
         robot = stage.robot("bea", "hw", "ben")
         wait_status(robot, lambda status: status.fault is Fault.EMERGENCY, "latch found")
-        with pytest.raises(Refused) as refused:
-            robot.enable()
-        assert refused.value.reason is Reason.EMERGENCY
-        robot.command(Command.RESET)
+        assert_fails(robot.enable, Refused, Reason.EMERGENCY)
         ready(robot)
+        stage.end_nodes()  # before its board
 
 
 def test_a_motion_accepted_after_its_client_has_given_up_is_stopped(stage: Stage) -> None:
@@ -192,9 +184,7 @@ def test_a_board_of_another_contract_is_not_moved_but_accepts_stop(
     stage.node("bea")
     robot = stage.robot("bea", "hw")
     for ask in (robot.enable, robot.calibrate, robot.home, lambda: robot.look(yaw=1)):
-        with pytest.raises(Refused, match="`beatrix flash`") as refused:
-            ask()
-        assert refused.value.reason is Reason.CONTRACT_MISMATCH
+        assert_fails(ask, Refused, Reason.CONTRACT_MISMATCH, "`beatrix flash`")
     status = robot.status()
     assert (status.fault, "`beatrix flash`" in status.warnings[0]) == (Fault.CONTRACT_MISMATCH, True)
     for stop in (robot.stop, robot.emergency_stop):
@@ -205,8 +195,7 @@ def test_the_board_stops_the_arms_when_its_node_is_lost(stage: Stage, tmp_path: 
     with PtyBoard(tmp_path / "board") as board:
         process = stage.hardware("bea", str(board.path))
         robot = ready(stage.robot("bea", "hw"))
-        robot.look(yaw=90, wait=False)
-        until(lambda: robot.positions().commanded.short > 1, "moving")
+        turning(robot, 90)
         process.end(signal.SIGKILL)
         until(lambda: board.board.firmware.steps() == board.board.firmware.steps(), "readable")
         before = time.monotonic()

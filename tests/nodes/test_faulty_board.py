@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterator
-from typing import NamedTuple
 
 import pytest
 from msgspec.structs import replace
-from robots import Stage, ready, until
-from threaded_board import ThreadedHardware
+from robots import Stage, assert_fails, ready, until
+from ticking_board import RealTimeTicker
 
 from beatrix_zenoh import Interrupted, Refused, Robot
-from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.board.link import Decoder, encode
-from beatrix_zenoh.board.state import Port
-from beatrix_zenoh.bus import Sessions
+from beatrix_zenoh.board.virtual import Firmware, VirtualBoard
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import BoardState, FrameType, Telemetry
-from beatrix_zenoh.node import Node
+from hw_node.body import Hardware
 
 MOVES = (FrameType.MOVE, FrameType.MOVE_STRAIGHT)
 
@@ -32,8 +30,8 @@ class FaultyPort:
     name = "faulty:"
     boot_s = 0.0
 
-    def __init__(self, port: Port) -> None:
-        self._port = port
+    def __init__(self) -> None:
+        self.board = VirtualBoard(Firmware(boot=1, name="bea"))
         self._decoder = Decoder()
         self._sent = b""
         self.drops_moves, self.no_acks, self.always_moving = True, False, False
@@ -44,15 +42,15 @@ class FaultyPort:
             if self.drops_moves and frame.type in MOVES:
                 self._sent += encode(frame.type | FrameType.ACK, frame.seq, b"\0")
             else:
-                self._port.write(encode(frame.type, frame.seq, frame.payload))
+                self.board.write(encode(*frame))
         return b""
 
     def wake(self) -> None:
-        self._port.wake()
+        self.board.wake()
 
     def read(self, timeout_s: float) -> bytes:
         sent, self._sent = self._sent, b""
-        for frame in self._answers.feed(self._port.read(timeout_s)):
+        for frame in self._answers.feed(self.board.read(timeout_s)):
             payload = frame.payload
             if self.always_moving and frame.type == FrameType.TELEMETRY:
                 telemetry = Telemetry.unpack(payload)
@@ -65,59 +63,42 @@ class FaultyPort:
         """Keep the board running."""
 
 
-class FaultyHardware(ThreadedHardware):
-    def open_port(self) -> Port:
-        self.port = FaultyPort(super().open_port())
-        return self.port
-
-
-class FaultyBoard(NamedTuple):
-    body: FaultyHardware
-    robot: Robot
-
-
 @pytest.fixture
-def faulty() -> Iterator[FaultyBoard]:
+def faulty(monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[FaultyPort, Robot]]:
     """A robot with its motors on and calibrated, on a faulty board."""
-    with Stage() as stage:
-        body = FaultyHardware("bea")
-        node = Node(Sessions(lambda: zbus.connect(stage.endpoint)), "bea", body).start()
-        try:
-            yield FaultyBoard(body, ready(stage.robot("bea", "hw")))
-        finally:
-            node.close()
+    port, hardware = FaultyPort(), Hardware(FaultyPort.name)
+    monkeypatch.setattr(hardware, "open_port", lambda: port)
+    with Stage() as stage, contextlib.closing(RealTimeTicker(port.board)):
+        stage.node("bea", hardware)
+        yield port, ready(stage.robot("bea", "hw"))
+        stage.end_nodes()
 
 
-def test_an_acknowledged_motion_that_is_not_made_ends_and_blocks_no_other(faulty: FaultyBoard) -> None:
-    body, robot = faulty
-    with pytest.raises(Interrupted, match="does not carry it out") as ended:
-        robot.look(yaw=5, speed=60)
-    assert ended.value.reason is Reason.BOARD_LOST
+def test_an_acknowledged_motion_that_is_not_made_ends_and_blocks_no_other(
+    faulty: tuple[FaultyPort, Robot],
+) -> None:
+    port, robot = faulty
+    assert_fails(lambda: robot.look(yaw=5, speed=60), Interrupted, Reason.BOARD_LOST, "does not carry it out")
     assert robot.stop().result
-    body.port.drops_moves = False
+    port.drops_moves = False
     robot.look(yaw=5, speed=60)
     assert robot.positions().commanded.short == pytest.approx(5, abs=0.1)
 
 
-def test_an_unacknowledged_motion_that_is_made_is_stopped(faulty: FaultyBoard) -> None:
-    body, robot = faulty
-    body.port.drops_moves, body.port.no_acks = False, True
-    with pytest.raises(Refused, match="does not answer") as refused:
-        robot.look(yaw=90)
-    assert refused.value.reason is Reason.BOARD_LOST
+def test_an_unacknowledged_motion_that_is_made_is_stopped(faulty: tuple[FaultyPort, Robot]) -> None:
+    port, robot = faulty
+    port.drops_moves, port.no_acks = False, True
+    assert_fails(lambda: robot.look(yaw=90), Refused, Reason.BOARD_LOST, "does not answer")
     until(lambda: not robot.status().moving, "at rest")
     assert robot.positions().commanded.short < 45
 
 
-def test_stop_fails_if_the_board_never_comes_to_rest(faulty: FaultyBoard) -> None:
-    body, robot = faulty
-    body.port.drops_moves, body.port.always_moving = False, True
+def test_stop_fails_if_the_board_never_comes_to_rest(faulty: tuple[FaultyPort, Robot]) -> None:
+    port, robot = faulty
+    port.drops_moves, port.always_moving = False, True
     until(lambda: robot.status().moving, "moving, by its status")
-    with pytest.raises(
-        Refused, match=r"^NOT stopped\. .*reports that the arms still move.*motor power off"
-    ) as refused:
-        robot.stop()
-    assert refused.value.reason is Reason.FAULT
-    body.port.always_moving = False
+    advice = r"^NOT stopped\. .*reports that the arms still move.*motor power off"
+    assert_fails(robot.stop, Refused, Reason.FAULT, advice)
+    port.always_moving = False
     until(lambda: not robot.status().moving, "at rest")
     assert robot.stop().result

@@ -18,12 +18,7 @@ from shell import Shell
 from beatrix_zenoh import Refused, Robot
 from beatrix_zenoh.client import lease
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import (
-    FollowState,
-    LeaseAction,
-    Positions,
-    Reason,
-)
+from beatrix_zenoh.contract._generated.messages import FollowState, LeaseAction, Positions, Reason
 
 LAG_S = 0.06
 
@@ -125,11 +120,7 @@ def test_it_follows_a_stream_of_targets_within_60_ms(both: Both) -> None:
 
 
 def test_its_own_requests_are_refused_and_the_refusal_says_what_to_do(both: Both) -> None:
-    requests: list[Callable[[], object]] = [
-        lambda: both.sim.look(yaw=5),
-        both.sim.home,
-        both.sim.calibrate,
-    ]
+    requests: list[Callable[[], object]] = [lambda: both.sim.look(yaw=5), both.sim.home, both.sim.calibrate]
     for request in requests:
         with pytest.raises(Refused) as refused:
             request()

@@ -71,8 +71,7 @@ CLOSED = {
     "twin.close": lambda: twin.close(), "monitor.close": lambda: monitor.close(), "exit": lambda: robot.__exit__(),
     "client.close": robot.client.close,
 }
-found = {name: in_fork(do) for name, do in {**REFUSED, **CLOSED}.items()}
-found["refused"], found["closed"] = sorted(REFUSED), sorted(CLOSED)
+found = {kind: {name: in_fork(do) for name, do in uses.items()} for kind, uses in (("refused", REFUSED), ("closed", CLOSED))}
 found["end"] = in_fork(lambda: None, end=sys.exit)
 robot.client._lock.release()
 found["parent"] = robot.move(0, 0, 0).result().result
@@ -146,11 +145,9 @@ def results(stage: Stage, text: str, folder: Path) -> dict[str, Any]:
 
 def test_every_use_of_an_inherited_object_is_refused_at_once(stage: Stage, tmp_path: Path) -> None:
     found = results(stage, USED, tmp_path)
-    for name in found["refused"]:
-        assert (found[name].partition(":")[0], found[name].endswith(CURE)) == ("WrongUsage", True), found[
-            name
-        ]
-    assert {found[name] for name in found["closed"]} == {"returned None"}
+    for name, outcome in found["refused"].items():
+        assert (outcome.partition(":")[0], outcome.endswith(CURE)) == ("WrongUsage", True), (name, outcome)
+    assert {*found["closed"].values()} == {"returned None"}
     assert (found["end"], found["parent"]) == ("returned None", True)
 
 

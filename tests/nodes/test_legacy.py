@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 from dialogues import DIALOGUES, expected_replies, read
 from old_programs import Place
-from robots import Stage, until
+from robots import until
+from shell import beatrix
 
 from beatrix_zenoh import Refused
 
@@ -59,11 +60,8 @@ def test_an_old_program_is_refused_until_no_other_seat_drives(place: Place) -> N
 
 def test_a_robot_file_with_other_limits_is_refused_with_legacy(tmp_path: Path) -> None:
     (tmp_path / "lab.toml").write_text("[limits]\nyaw_max = 10.0\n", encoding="utf-8")
-    with Stage() as stage:
-        node = ("--connect", stage.endpoint, "--legacy", str(tmp_path / "COM4"))
-        process = stage.process("sim_node", *node, "--robot-file", str(tmp_path / "lab.toml"))
-        assert process.wait() == 2
-        assert any("--robot-file" in line for line in process.lines)
+    done = beatrix("sim", "--legacy", str(tmp_path / "COM4"), "--robot-file", str(tmp_path / "lab.toml"))
+    assert (done.returncode, "--robot-file" in done.stderr) == (2, True)
     assert not (tmp_path / "COM4").is_symlink()
 
 

@@ -10,12 +10,8 @@ from old_programs import PATIENCE_S, Place, Program
 from pty_board import PtyBoard
 from robots import Stage, free_endpoint, ready, until, wait_status
 
-from beatrix_zenoh import Robot
-from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Fault
 from beatrix_zenoh.legacy import Terminal
-from beatrix_zenoh.node import Node
 from hw_node.body import Hardware
 
 pytestmark = pytest.mark.bodies("hw")
@@ -69,26 +65,23 @@ def test_lines_to_a_lost_board_are_answered_nack_and_its_return_clears_the_zero(
     alone: Stage, tmp_path: Path
 ) -> None:
     with PtyBoard(tmp_path / "board") as board:
-        sessions = Sessions(lambda: zbus.connect(alone.endpoint))
-        terminal = Terminal(tmp_path / "COM4")
-        node = Node(sessions, "bea", Hardware(str(tmp_path / "board")), terminal=terminal).start()
-        try:
-            robot: Robot = alone.robot("bea", "hw")
-            wait_status(robot, lambda status: status.board.connected, "board there")
-            program = Program(tmp_path / "COM4").begin()
-            program.port.write(b"@MOVRALL 600 600 600\r@MOVRX 5 5\r")
-            until(lambda: robot.status().moving, "moving")
-            board.unplug()
-            assert program.read(4) == ["ACK\n", "NACK\n"] * 2
-            assert program.say("@COMSTATUS") == ["ACK\n", "NACK\n"]
-            wait_status(robot, lambda status: status.fault is Fault.BOARD_LOST, "lost")
-            board.plug()
-            wait_status(robot, lambda status: status.board.connected, "back")
-            assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
-            assert program.say("@MOVRX 5 5") == ["ACK\n", "NACK\n"]
-            wait_status(robot, lambda status: "need @CALNOW" in " ".join(status.warnings), "the warning")
-            until(lambda: robot.status().holder == "", "free")
-            ready(robot)
-            program.port.close()
-        finally:
-            node.close()
+        hardware, terminal = Hardware(str(tmp_path / "board")), Terminal(tmp_path / "COM4")
+        alone.node("bea", hardware, terminal=terminal)
+        robot = alone.robot("bea", "hw")
+        wait_status(robot, lambda status: status.board.connected, "board there")
+        program = Program(tmp_path / "COM4").begin()
+        program.port.write(b"@MOVRALL 600 600 600\r@MOVRX 5 5\r")
+        until(lambda: robot.status().moving, "moving")
+        board.unplug()
+        assert program.read(4) == ["ACK\n", "NACK\n"] * 2
+        assert program.say("@COMSTATUS") == ["ACK\n", "NACK\n"]
+        wait_status(robot, lambda status: status.fault is Fault.BOARD_LOST, "lost")
+        board.plug()
+        wait_status(robot, lambda status: status.board.connected, "back")
+        assert program.say("@COMSTATUS") == ["ACK\n", "ACK\n"]
+        assert program.say("@MOVRX 5 5") == ["ACK\n", "NACK\n"]
+        wait_status(robot, lambda status: "need @CALNOW" in " ".join(status.warnings), "the warning")
+        until(lambda: robot.status().holder == "", "free")
+        ready(robot)
+        program.port.close()
+        alone.end_nodes()  # before its board

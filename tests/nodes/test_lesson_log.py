@@ -30,8 +30,7 @@ ASKED = (
 def test_every_request_is_in_the_log_file_with_its_seat_source_and_outcome(tmp_path: Path) -> None:
     log = tmp_path / "lesson.log"
     with Stage() as stage:
-        where = ("--name", "bea", "--connect", stage.endpoint, "--log-file", str(log))
-        stage.process("hw_node", *where, "--port", "virtual:").expect("ready")
+        stage.hardware("bea", "virtual:", "--log-file", str(log))
         robot = ready(stage.robot("bea", "hw", "ana"))
         robot.look(yaw=20, speed=60)
         robot.move(2, -2, 0.5, relative=True, speed=(60, 50, 40))

@@ -65,22 +65,24 @@ def home(robot: Robot) -> bool:
     return abs(robot.positions().head.yaw) < 0.5
 
 
+def assert_home_and_free(free: Shell) -> None:
+    with free.robot("hw") as robot:
+        assert home(robot)
+        assert robot.status().lease == 0
+
+
 def test_a_program_runs_on_the_robot_which_is_then_home_and_free(
     free: Shell, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     take(free, written(tmp_path, LOOKS))
     assert "reached 10 hw" in capsys.readouterr().out
-    with free.robot("hw") as robot:
-        assert home(robot)
-        assert robot.status().lease == 0
+    assert_home_and_free(free)
 
 
 def test_a_program_with_an_error_or_too_fast_ends_and_the_head_goes_home(free: Shell, tmp_path: Path) -> None:
     with pytest.raises(Refused, match=r"ended with an error: .*40.*\(line 2\)\."):
         take(free, written(tmp_path, FAST))
-    with free.robot("hw") as robot:
-        assert home(robot)
-        assert robot.status().lease == 0
+    assert_home_and_free(free)
 
 
 @pytest.mark.long("a turn in real time")

@@ -59,18 +59,7 @@ def test_an_unread_stderr_does_not_block_the_node(alone: Stage) -> None:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux has /dev/full")
 def test_a_full_disk_is_reported_once_and_the_node_ends_cleanly(alone: Stage) -> None:
-    node = alone.process(
-        "hw_node",
-        "--name",
-        "bea",
-        "--connect",
-        alone.endpoint,
-        "--port",
-        "virtual:",
-        "--log-file",
-        "/dev/full",
-    )
-    node.expect("ready")
+    node = alone.hardware("bea", "virtual:", "--log-file", "/dev/full")
     robot = ready(alone.robot("bea", "hw"))
     robot.look(yaw=2, speed=60)
     node.send(signal.SIGINT)

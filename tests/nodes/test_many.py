@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Iterator
 
 import pytest
+from floods import Flood
 from robots import Process, Stage, ready, until
 from shell import beatrix
 
 from beatrix_zenoh import Interrupted
-from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import PoseQuery
 
 NAMES = ("ada", "bob", "cem")
 
@@ -46,41 +44,22 @@ def test_each_robot_has_its_own_state_and_driver(many: Stage) -> None:
 
 def test_a_robot_stops_while_another_is_flooded(many: Stage) -> None:
     ada, cem = ready(many.robot("ada", "sim")), ready(many.robot("cem", "sim", "cleo"))
-    over, flooded = threading.Event(), threading.Event()
-    client, key = many.client("cleo"), keys.pose("cem", "sim", "cleo")
-    payload = codec.encode(PoseQuery(yaw=0.1))
-
-    def flood() -> None:
-        waiting = []
-        while not over.is_set():
-            waiting.append(client.bus.query(key, payload, codec.MSGPACK))
-            if len(waiting) > 200:
-                waiting.pop(0).close()
-                flooded.set()
-        for query in waiting:
-            query.close()
-
-    thread = threading.Thread(target=flood)
-    thread.start()
-    try:
-        assert flooded.wait(20)
+    with Flood(cem) as flood:
+        until(lambda: flood.sent > 200, "flooded")
         motion = ada.look(yaw=40, speed=20, wait=False)
         until(lambda: ada.status().moving, "ada moves")
         ada.stop()
         with pytest.raises(Interrupted):
             motion.result(10)
         assert abs(ada.positions().head.yaw) < 39
-    finally:
-        over.set()
-        thread.join()
     assert cem.stop().result
     many.close_clients()
 
 
 def test_a_second_process_may_not_take_a_name(many: Stage) -> None:
-    second = many.process("sim_node", "--name", "dan", "--name", "bob", "--connect", many.endpoint)
-    assert second.wait() == 1
-    assert any("End it, or simulate the others: beatrix sim --name dan" in line for line in second.lines)
+    second = beatrix("sim", "--name", "dan", "--name", "bob", "--connect", many.endpoint)
+    assert second.returncode == 1
+    assert "End it, or simulate the others: beatrix sim --name dan" in second.stderr
     with many.client() as client:
         robots = client.bus.robots()
     assert ("bob", "sim") in robots

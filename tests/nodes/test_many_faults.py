@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
 from late_tests import in_time
-from robots import Process, Stage, ready, until
+from published import published_positions
+from robots import Process, Stage, assert_fails, ready, until
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Positions, Reason
 from beatrix_zenoh.contract.errors import BeatrixError
@@ -24,61 +23,36 @@ BEFORE = 100
 
 
 @pytest.fixture(scope="module")
-def stage() -> Iterator[Stage]:
-    with Stage() as made:
-        yield made
-
-
-@pytest.fixture(scope="module")
-def process(stage: Stage) -> Process:
+def process(router: Stage) -> Process:
     """Several simulations in one process."""
     words = [word for name in NAMES for word in ("--name", name)]
-    process = stage.script(SCRIPT, *words, "--ready", "--connect", stage.endpoint, listens=True)
+    process = router.script(SCRIPT, *words, "--ready", "--connect", router.endpoint, listens=True)
     for name in NAMES:
         process.expect(f"ready {keys.alive(name, 'sim')}")
     return process
 
 
-class Watched:
-    """Times of the positions of the robots that do not fail."""
-
-    def __init__(self, stage: Stage) -> None:
-        self.times: dict[str, list[int]] = {"ada": [], "fay": []}
-        bus = stage.client("watcher").bus
-        for name in self.times:
-            bus.subscribe(keys.positions(name, "sim"), lambda got, name=name: self._hear(name, got.payload))  # type: ignore[misc]
-        until(lambda: min(map(len, self.times.values())) > BEFORE, "positions of the others")
-        self._before_s = max(longest_gap_s(times) for times in self.times.values())
-
-    def _hear(self, name: str, payload: bytes) -> None:
-        self.times[name].append(codec.decode(payload, Positions).t_mono_ns)
-
-    def check(self) -> None:
-        """Check that no robot has a gap since the fault."""
-        for name, times in self.times.items():
-            gap_s = longest_gap_s(times[BEFORE:])
-            in_time(gap_s, max(GAP_S, 2 * self._before_s), f"gap in the positions of {name}")
-
-
-def longest_gap_s(times: list[int]) -> float:
-    """Return the longest time (s) between two positions, of their times (ns)."""
-    return max(after - before for before, after in pairwise(times)) / 1e9
+def longest_gap_s(positions: list[Positions]) -> float:
+    """Return the longest time (s) between two positions."""
+    return max(after.t_mono_ns - before.t_mono_ns for before, after in pairwise(positions)) / 1e9
 
 
 @pytest.mark.measures_time
-def test_a_robot_that_fails_stays_down_and_the_others_go_on(stage: Stage, process: Process) -> None:
+def test_a_robot_that_fails_stays_down_and_the_others_go_on(router: Stage, process: Process) -> None:
     """One robot fails in the thread that all share, one in a thread of its own."""
-    watched = Watched(stage)
-    ada, eva = ready(stage.robot("ada", "sim")), ready(stage.robot("eva", "sim"))
+    others = [published_positions(router.robot(name, "sim", "watcher")) for name in ("ada", "fay")]
+    until(lambda: all(len(one.all) > BEFORE for one in others), "positions of the others")
+    before_s = max(longest_gap_s(one.all) for one in others)
+    ada, eva = ready(router.robot("ada", "sim")), ready(router.robot("eva", "sim"))
     process.say("raise bob")
     process.expect("bob: It has failed (RuntimeError: put in by a test) and stays down")
     process.say("calibrate eva")
-    with pytest.raises(BeatrixError) as lost:
-        calibrate_until_lost(eva)
-    assert lost.value.reason is Reason.NODE_LOST
+    assert_fails(lambda: calibrate_until_lost(eva), BeatrixError, Reason.NODE_LOST)
     process.expect("eva: It has failed (RuntimeError: put in by a test) and stays down")
-    watched.check()
-    assert [name for name, _ in stage.client().bus.robots()] == ["ada", "fay"]
+    for one in others:
+        gap_s = longest_gap_s(one.all[BEFORE:])
+        in_time(gap_s, max(GAP_S, 2 * before_s), f"gap in the positions of {one.robot}")
+    assert [name for name, _ in router.client().bus.robots()] == ["ada", "fay"]
     assert ada.status().calibrated
     assert process.end() == 70
 

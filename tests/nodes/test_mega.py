@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from robots import Stage, ready, until
+from robots import Stage, assert_fails, ready, until
 
 from beatrix_zenoh import Interrupted
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -20,9 +20,7 @@ def test_a_node_on_the_real_firmware_enables_calibrates_moves_and_stops(alone: S
     motion = robot.look(yaw=60, wait=False)
     until(lambda: robot.positions().commanded.short > 15, "moving")
     robot.stop()
-    with pytest.raises(Interrupted) as ended:
-        motion.wait()
-    assert ended.value.reason is Reason.STOPPED
+    assert_fails(motion.wait, Interrupted, Reason.STOPPED)
     assert robot.positions().commanded.short < 55
     assert robot.status().enabled
 

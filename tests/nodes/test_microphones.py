@@ -7,10 +7,10 @@ import time
 from collections.abc import Iterator
 
 import pytest
-from robots import Stage, wait_status
+from robots import Stage, until, wait_status
 
 from beatrix_zenoh import NoAnswer, Robot
-from beatrix_zenoh.contract._generated.messages import Event, EventKind, Status
+from beatrix_zenoh.contract._generated.messages import Event, EventKind, Reason, Status
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.node import SensorFrame, sensors, sound_block
 from hw_node.body import VirtualHardware
@@ -24,6 +24,7 @@ class FakeDevice:
 
     def __init__(self) -> None:
         self.opened = self.closed = 0
+        self.error: Exception | None = None
 
     def trouble(self) -> str:
         return ""
@@ -32,6 +33,8 @@ class FakeDevice:
         self.opened += 1
 
     def next(self, timeout_s: float) -> SensorFrame | None:
+        if self.error is not None:
+            raise self.error
         threading.Event().wait(min(timeout_s, 0.02))
         return sound_block(bytes(3840), time.monotonic_ns(), self.name)
 
@@ -45,24 +48,23 @@ def device(monkeypatch: pytest.MonkeyPatch) -> FakeDevice:
     return FakeDevice()
 
 
-@pytest.fixture(scope="module")
-def router() -> Iterator[Stage]:
-    with Stage() as stage:
-        yield stage
-
-
 @pytest.fixture
 def robot(router: Stage, device: FakeDevice) -> Iterator[Robot]:
-    node = router.node("bea", VirtualHardware("bea", sensors=[lambda node: microphone_sensor(node, device)]))
+    router.node("bea", VirtualHardware("bea", sensors=[lambda node: microphone_sensor(node, device)]))
     robot = router.robot("bea", "hw")
     wait_status(robot, lambda status: status.microphones is not None, "there are microphones")
     yield robot
     robot.client.close()
-    node.close()
+    router.end_nodes()
 
 
 def on(status: Status) -> bool:
     return status.microphones is not None and status.microphones.streaming
+
+
+def trouble(robot: Robot) -> str:
+    status = robot.status().microphones
+    return "" if status is None else status.trouble
 
 
 def told(robot: Robot) -> list[Event]:
@@ -79,8 +81,25 @@ def test_events_show_when_the_microphones_are_on_and_off(robot: Robot, device: F
     assert device.opened == device.closed == 1
 
 
+def test_a_fault_of_a_device_is_shown_until_it_delivers_again(robot: Robot, device: FakeDevice) -> None:
+    """The fault must not disappear with each attempt to open the device, and a mistake does not end the node."""
+    with robot.microphones() as sound:
+        device.error = NoAnswer(Reason.FAULT, "It is used by another program.")
+        until(lambda: device.opened >= 3, "it is tried again")
+        assert trouble(robot) == "It is used by another program."
+        device.error = KeyError("a mistake")
+        until(lambda: "The device failed: 'a mistake'" in trouble(robot), "the mistake is shown")
+        device.error = None
+        sound.next()
+        assert trouble(robot) == ""
+    assert [event.message for event in told(robot) if event.reason is Reason.FAULT] == [
+        "microphones: It is used by another program.",
+        "microphones: The device failed: 'a mistake'. The node retries every second.",
+    ]
+
+
 def test_a_robot_without_microphones_says_what_to_do(router: Stage) -> None:
-    node = router.node("ben", VirtualHardware("ben", sensors=()))
+    router.node("ben", VirtualHardware("ben", sensors=()))
     robot = router.robot("ben", "hw")
     assert robot.status().microphones is None
     with (
@@ -88,8 +107,7 @@ def test_a_robot_without_microphones_says_what_to_do(router: Stage) -> None:
         pytest.raises(NoAnswer, match="start its node with `beatrix hw --microphones"),
     ):
         sound.next(0.1)
-    robot.client.close()
-    node.close()
+    router.end_nodes()
 
 
 @pytest.mark.parametrize("seconds", [0, -1.0, float("nan"), 61])

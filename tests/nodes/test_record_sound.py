@@ -19,9 +19,7 @@ def test_a_recording_has_what_the_robot_hears(stage: Stage, tmp_path: Path) -> N
     robot.place_sound(0.3, 1.5, 0.1)
     robot.play_sound("noise", 60)
     path, out = tmp_path / "lesson.rrd", tmp_path / "lesson.wav"
-    words = ("record", str(path), "--name", "bea", "--cameras", "0", "--connect", stage.endpoint)
-    process = stage.process("beatrix_zenoh.cli", *words, "--seconds", "2", "--sound")
-    process.expect("ready")
+    process = stage.recorder(path, "--name", "bea", "--cameras", "0", "--seconds", "2", "--sound")
     wait_status(
         robot, lambda status: status.microphones is not None and status.microphones.streaming, "they are on"
     )

@@ -11,7 +11,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from recorded_values import STATE, recorded_values
-from robots import Process, Stage, ready, until
+from robots import Stage, ready, until
+from shell import Shell
 
 from beatrix_zenoh import Interrupted, Refused
 from beatrix_zenoh.cli import app
@@ -36,19 +37,11 @@ class Lesson:
     output: list[str]
 
 
-def recorder(stage: Stage, path: Path, *options: str) -> Process:
-    """Start `beatrix record` and wait until it is ready."""
-    words = ("record", str(path), "--connect", stage.endpoint, *options)
-    process = stage.process("beatrix_zenoh.cli", *words)
-    process.expect("ready")
-    return process
-
-
 @pytest.fixture(scope="module")
 def lesson(stage: Stage, tmp_path_factory: pytest.TempPathFactory) -> Lesson:
     """Record a lesson in which both robots turn, one motion is refused, and one is stopped."""
     path = tmp_path_factory.mktemp("lesson") / "lesson.rrd"
-    process = recorder(stage, path)
+    process = stage.recorder(path)
     process.expect_all("Recording bea (hw).", "Recording bea (sim).")
     with positions(stage.client("witness")) as subscription:
         robots = [ready(stage.robot("bea", side)) for side in ("sim", "hw")]
@@ -82,7 +75,7 @@ def test_a_recorder_killed_after_seconds_loses_no_more_than_one(
     stage: Stage, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "killed.rrd"
-    process = recorder(stage, path, "--name", "bea", "--cameras", "0")
+    process = stage.recorder(path, "--name", "bea", "--cameras", "0")
     process.expect_all("Recording bea (hw).", "Recording bea (sim).")
     with positions(stage.client("witness"), "bea", "hw") as subscription:
         begun = subscription.next(1.0).t_wall_ns
@@ -133,18 +126,11 @@ def test_the_code_of_the_page_reads_a_recording(
     )
 
 
-def run(stage: Stage, *words: str, code: int = 0) -> str:
-    """Run a verb, assert its exit code, and return its output."""
-    process = stage.process("beatrix_zenoh.cli", *words)
-    assert process.wait(30.0) == code, process.lines
-    return "\n".join(process.lines)
-
-
 @pytest.mark.long("records for eight seconds")
 def test_rotated_files_are_complete(stage: Stage, tmp_path: Path) -> None:
     path = tmp_path / "day.rrd"
     options = "--rotate 0.1 --seconds 8 --cameras 0 --json"
-    output = run(stage, "record", str(path), "--connect", stage.endpoint, *options.split())
+    output = Shell(stage.endpoint).good("record", str(path), *options.split())
     first, second = (tmp_path / name for name in ("day-001.rrd", "day-002.rrd"))
     assert '"dropped":0' in output
     assert verify(first) == verify(second) == ""
@@ -157,7 +143,7 @@ def test_rotated_files_are_complete(stage: Stage, tmp_path: Path) -> None:
 @pytest.mark.long("starts a robot twice")
 def test_a_robot_may_leave_and_return_during_a_recording(stage: Stage, tmp_path: Path) -> None:
     path = tmp_path / "guest.rrd"
-    process = recorder(stage, path, "--name", "guest", "--cameras", "0")
+    process = stage.recorder(path, "--name", "guest", "--cameras", "0")
     for _ in range(2):
         guest = stage.hardware("guest")
         with positions(stage.client("witness"), "guest") as subscription:
@@ -179,4 +165,5 @@ def test_a_robot_may_leave_and_return_during_a_recording(stage: Stage, tmp_path:
 
 def test_a_recording_without_robots_is_reported(stage: Stage, tmp_path: Path) -> None:
     words = ("record", str(tmp_path / "none.rrd"), "--name", "absent", "--seconds", "0.2")
-    assert "No robot was online" in run(stage, *words, "--connect", stage.endpoint, code=5)
+    done = Shell(stage.endpoint).run(*words)
+    assert (done.returncode, "No robot was online" in done.stderr) == (5, True)

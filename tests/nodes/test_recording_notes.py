@@ -8,19 +8,11 @@ from pathlib import Path
 
 import pytest
 from recorded_values import SCALARS, recorded_values
-from robots import Process, Stage, ask_raw
+from robots import Stage, ask_raw
 from shell import Shell
 
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.recording.rrd.read import read, read_about
-
-
-def recorder(stage: Stage, path: Path, *options: str) -> Process:
-    """Start a recording of the robots `bea`, and wait until it has found them."""
-    words = ("record", str(path), "--connect", stage.endpoint, "--cameras", "0", "--who", "teacher", *options)
-    process = stage.process("beatrix_zenoh.cli", *words)
-    process.expect_all("Recording bea (hw).", "Recording bea (sim).")
-    return process
 
 
 def test_a_note_without_a_recording_says_how_to_begin_one(stage: Stage) -> None:
@@ -36,10 +28,13 @@ def test_a_note_without_a_recording_says_how_to_begin_one(stage: Stage) -> None:
 def test_notes_of_all_seats_are_in_every_recording(stage: Stage, tmp_path: Path) -> None:
     shell = Shell(stage.endpoint)
     first, second = tmp_path / "one.rrd", tmp_path / "two.rrd"
+    options = ("--cameras", "0", "--who", "teacher")
     processes = [
-        recorder(stage, first, "--title", "Lesson 2", "--note", "group A"),
-        recorder(stage, second),
+        stage.recorder(first, *options, "--title", "Lesson 2", "--note", "group A"),
+        stage.recorder(second, *options),
     ]
+    for process in processes:
+        process.expect_all("Recording bea (hw).", "Recording bea (sim).")
     lines = sorted(shell.good("note", "trial 3", "begins").splitlines())
     assert [line.partition(": noted at ")[0] for line in lines] == ["one.rrd (Lesson 2)", "two.rrd"]
     found = shell.json("note", "a\nforged \x1b[31mline", "--who", "ben")

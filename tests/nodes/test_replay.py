@@ -10,13 +10,10 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 from late_tests import Late
-from robots import Stage, until
+from robots import Stage, raw_positions, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, Twin
 from beatrix_zenoh.client import motion_file
-from beatrix_zenoh.client.request import ask
-from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Positions, Steps
 from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.paths.follow import Following, follow
@@ -61,11 +58,6 @@ def replay(
 def following(text: str) -> Following:
     """Return the targets that follow the path of a motion file."""
     return follow(path_of(motion_file.parse(text, "nod.csv"), MotionLimits()), ROBOT)
-
-
-def steps(robot: Robot) -> Steps:
-    key = keys.positions(robot.name, robot.side)
-    return ask(robot.client, robot.place, key, None, Positions, robot.timeout_s).steps
 
 
 def recorded_during(stage: Stage, seconds: float, do: Callable[[], object]) -> tuple[Recording, Recording]:
@@ -123,13 +115,13 @@ def test_both_robots_follow_a_path_and_a_known_lag_and_offset_are_found(stage: S
 
 
 def test_a_refused_path_moves_no_robot(twin: Twin) -> None:
-    before = steps(twin.sim), steps(twin.hw)
+    before = raw_positions(twin.sim).steps, raw_positions(twin.hw).steps
     with pytest.raises(Refused, match=r"nod\.csv, line 5 \(t = 2\.00 s\): The head would lean 40"):
         replay(twin, following(NOD.replace("15,-5,0", "15,-40,0")))
     twin.hw.disable()
     with pytest.raises(Refused, match="hw"):
         replay(twin, following(NOD))
-    assert (steps(twin.sim), steps(twin.hw)) == before
+    assert (raw_positions(twin.sim).steps, raw_positions(twin.hw).steps) == before
 
 
 SLOW = "t_s,yaw_deg,pitch_deg,roll_deg\n0,0,0,0\n20,60,0,0\n"

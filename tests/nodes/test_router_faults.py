@@ -119,10 +119,7 @@ def test_a_session_whose_declarations_the_router_has_lost_is_replaced(alone: Sta
         10.0,
     )
     until(lambda: bool(forgotten.is_closed()), "the router has no declarations of the session")
-    until(
-        lambda: not node.snapshot.status().moving,
-        "the motion is stopped, because its reply may be lost",
-    )
+    until(lambda: not node.snapshot.status().moving, "the motion is stopped, because its reply may be lost")
     with pytest.raises((Interrupted, NoAnswer)):
         motion.wait()
     until(lambda: not robot.status().holder, "free")

@@ -10,14 +10,10 @@ import pytest
 from robots import Stage, ready, until
 
 from beatrix_zenoh import Interrupted, Robot
-from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.client import lease
 from beatrix_zenoh.contract._generated.messages import Fault, LeaseAction, Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.contract.names import OLD_PROGRAMS
-from beatrix_zenoh.node import Node
-from hw_node.body import VirtualHardware
 
 
 class Place:
@@ -25,21 +21,21 @@ class Place:
 
     def __init__(self, stage: Stage, folder: Path) -> None:
         self.stage, self.folder = stage, folder
-        self.node = self._start()
+        self.start()
         self.boss, self.ana, self.ben = (stage.robot("bea", "hw", who) for who in ("teacher", "ana", "ben"))
 
     @property
     def file(self) -> Path:
         return self.folder / "robots" / "bea.hw.toml"
 
-    def _start(self) -> Node:
-        sessions = Sessions(lambda: zbus.connect(self.stage.endpoint))
-        return Node(sessions, "bea", VirtualHardware("bea"), kept=self.folder / "robots").start()
+    def start(self) -> None:
+        """Start a node with a new board."""
+        self.stage.node("bea", kept=self.folder / "robots")
 
     def restart(self) -> None:
         """Close the node and start another one with a new board."""
-        self.node.close()
-        self.node = self._start()
+        self.stage.end_nodes()
+        self.start()
 
     def refused(self, request: Callable[[], object]) -> Reason:
         """Return the reason of a refused request."""
@@ -51,11 +47,7 @@ class Place:
 @pytest.fixture
 def kept(tmp_path: Path) -> Iterator[Place]:
     with Stage() as stage:
-        made = Place(stage, tmp_path)
-        try:
-            yield made
-        finally:
-            made.node.close()
+        yield Place(stage, tmp_path)
 
 
 def test_freeze_limit_and_mute_outlive_a_restart_until_the_teacher_lifts_them(kept: Place) -> None:
@@ -134,16 +126,7 @@ def test_mute_stops_the_motion_of_the_seat_and_the_next_one_gets_the_robot(kept:
     with pytest.raises(Interrupted, match="has muted this seat"):
         motion.wait()
     assert kept.ben.status().holder == "ben"
-    for request in (
-        lambda: kept.ana.look(yaw=1),
-        kept.ana.enable,
-        kept.ana.disable,
-        kept.ana.calibrate,
-        kept.ana.home,
-        kept.ana.reset,
-        kept.ana.lease,
-        lambda: kept.ana.lease(1.0),
-    ):
+    for request in (kept.ana.home, kept.ana.lease):
         assert kept.refused(request) is Reason.MUTED
     assert kept.ana.positions().commanded is not None, "a muted seat still watches"
     held.close()
@@ -157,14 +140,3 @@ def test_only_the_teacher_mutes_and_neither_itself_nor_invalid_seats(kept: Place
         assert mute(kept.boss, seat) is Reason.BAD_VALUE, seat
     assert mute(kept.ana, "ben") is Reason.TEACHER_ONLY
     assert kept.boss.status().muted == []
-
-
-def test_give_back_of_the_teacher_ends_the_turn_of_the_seat_that_moves(kept: Place) -> None:
-    ready(kept.ana)
-    motion = kept.ana.look(yaw=60, speed=20, wait=False)
-    lease.ask(kept.ben, LeaseAction.WAIT)
-    reply = lease.ask(kept.boss, LeaseAction.GIVE_BACK)
-    assert reply.message == "The turn of ana has ended; ben holds the robot now."
-    with pytest.raises(Interrupted, match="has ended this turn"):
-        motion.wait()
-    assert kept.refused(lambda: kept.ana.look(yaw=1)) is Reason.NOT_HOLDER

@@ -5,29 +5,15 @@ from __future__ import annotations
 import signal
 import threading
 import time
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from robots import Stage, until
+from robots import Stage, assert_fails, until
 
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot, Twin
+from beatrix_zenoh.client.choreography import ArmPose, Choreography, Pose, play
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
-
-
-@pytest.fixture
-def twin(stage: Stage) -> Iterator[Twin]:
-    """Both robots, enabled and calibrated, without an emergency latch."""
-    with Twin("bea", connect=stage.endpoint, who="ana") as made:
-        made.stop()
-        made.sim.reset()
-        made.hw.reset()
-        made.disable()
-        made.enable()
-        made.calibrate()
-        yield made
-        made.stop()
 
 
 def commanded(robot: Robot) -> tuple[float, float, float]:
@@ -68,18 +54,44 @@ def test_commit_moves_both_robots_to_one_place_and_the_simulation_first(
         plan.abort()
 
 
+@pytest.mark.long("plays in real time")
+def test_in_lockstep_both_robots_wait_for_the_slower_one(twin: Twin, monkeypatch: pytest.MonkeyPatch) -> None:
+    sides: list[str] = []
+    hardware_deg: list[float] = []
+    begin = Robot.begin
+
+    def record(robot: Robot, query: MotionQuery | PoseQuery) -> Motion:
+        sides.append(robot.side)
+        hardware_deg.append(twin.hw.positions().commanded.long)
+        return begin(robot, query)
+
+    twin.hw.look(yaw=-40, speed=90)
+    monkeypatch.setattr(Robot, "begin", record)
+    poses: list[Pose | ArmPose] = [
+        Pose(0.0, 4, 0, 0, 60),
+        Pose(0.8, 8, 0, 0, 60),
+        ArmPose(1.6, 10, 10, 10, 60),
+    ]
+    titles: list[str] = []
+    play(
+        twin,
+        Choreography([("f", pose) for pose in poses]),
+        lambda title, _: titles.append(title),
+        lockstep=True,
+    )
+    assert sides == ["sim", "hw"] * 3
+    assert hardware_deg[2::2] == pytest.approx([4, 8], abs=0.1)
+    assert titles == ["f"] * 3
+
+
 def test_a_plan_is_refused_when_a_robot_has_moved_since(twin: Twin) -> None:
-    plan = twin.preview(yaw=10)
-    twin.sim.look(yaw=-3, speed=60)
-    with pytest.raises(Refused, match=r"bea \(sim\) has moved.*preview again"):
-        plan.commit()
-    assert commanded(twin.hw) == (0, 0, 0)
-    twin.sim.home()
-    plan = twin.preview(yaw=10)
-    twin.hw.look(yaw=-3, speed=60)
-    with pytest.raises(Refused, match=r"bea \(hw\) has moved.*preview again"):
-        plan.commit()
-    assert commanded(twin.sim) == (0, 0, 0)
+    for moved, other in ((twin.sim, twin.hw), (twin.hw, twin.sim)):
+        plan = twin.preview(yaw=10)
+        moved.look(yaw=-3, speed=60)
+        with pytest.raises(Refused, match=rf"bea \({moved.side}\) has moved.*preview again"):
+            plan.commit()
+        assert commanded(other) == (0, 0, 0)
+        moved.home()
 
 
 def test_only_a_relative_plan_needs_both_robots_at_one_position(twin: Twin) -> None:
@@ -94,9 +106,7 @@ def test_only_a_relative_plan_needs_both_robots_at_one_position(twin: Twin) -> N
 def test_hardware_that_may_not_move_is_detected_before_the_simulation_moves(twin: Twin) -> None:
     plan = twin.preview(yaw=60)
     twin.hw.disable()
-    with pytest.raises(Refused, match=r"bea \(hw\): The motors are off") as refusal:
-        plan.commit()
-    assert refusal.value.reason is Reason.NOT_ENABLED
+    assert_fails(plan.commit, Refused, Reason.NOT_ENABLED, r"bea \(hw\): The motors are off")
     before = twin.sim.status().motion
     assert "committed" not in repr(plan)
     assert (twin.sim.status().motion, commanded(twin.sim)) == (before, (0, 0, 0))
@@ -105,19 +115,20 @@ def test_hardware_that_may_not_move_is_detected_before_the_simulation_moves(twin
 def test_while_another_seat_drives_one_robot_both_stay_as_they_are_and_its_motion_goes_on(
     stage: Stage, twin: Twin
 ) -> None:
-    bob = stage.robot("bea", "hw", "bob")
-    until(lambda: twin.hw.status().holder == "", "lease over")
+    teacher = stage.robot("bea", "hw", "teacher")
     plan = twin.preview(yaw=30)
     calibrations = twin.sim.status().calibrations
-    motion = bob.look(yaw=15, speed=60, wait=False)
-    for verb in (twin.enable, twin.calibrate, plan.commit):
-        with pytest.raises(Refused, match=r"^bea \(hw\): bob drives this robot") as refusal:
-            verb()
-        assert refusal.value.message.count("bea (hw)") == 1
-    motion.wait()
+    with teacher.lease():  # needs not wait for the end of the other seat's lease
+        motion = teacher.look(yaw=15, speed=60, wait=False)
+        for verb in (twin.enable, twin.calibrate, plan.commit):
+            with pytest.raises(Refused, match=r"^bea \(hw\): teacher has taken this robot") as refusal:
+                verb()
+            assert refusal.value.message.count("bea (hw)") == 1
+        motion.wait()
+    teacher.client.close()
     assert not twin.sim.status().moving
     assert twin.sim.status().calibrations == calibrations
-    until(lambda: twin.hw.status().holder == "", "lease over")
+    until(lambda: twin.hw.status().holder == "", "free")
 
 
 def test_a_late_refusal_of_the_hardware_stops_the_simulation(
@@ -127,9 +138,7 @@ def test_a_late_refusal_of_the_hardware_stops_the_simulation(
     monkeypatch.setattr("beatrix_zenoh.client.twin_state.may_move", lambda *_, moves: None)  # noqa: ARG005
     plan = twin.preview(yaw=60)
     twin.hw.disable()
-    with pytest.raises(Refused) as refusal:
-        plan.commit()
-    assert refusal.value.reason is Reason.NOT_ENABLED
+    assert_fails(plan.commit, Refused, Reason.NOT_ENABLED)
     assert not twin.sim.status().moving
     assert commanded(twin.sim)[0] < 30
 

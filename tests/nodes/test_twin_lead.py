@@ -6,22 +6,14 @@ import signal
 from collections.abc import Callable
 
 import pytest
-from robots import Stage, until
+from robots import Stage, assert_fails, raw_positions, until
 
 from beatrix_zenoh import Interrupted, Refused, Robot, Twin
-from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.subscription import Subscription
 from beatrix_zenoh.client.twin_motion import TwinMotion
-from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Positions, Reason, Steps
+from beatrix_zenoh.contract._generated.messages import Positions, Reason
 from beatrix_zenoh.contract.errors import NoAnswer
 from sim_node.body import Simulation
-
-
-def steps(robot: Robot) -> Steps:
-    """Return the set points of a robot, in steps."""
-    key = keys.positions(robot.name, robot.side)
-    return ask(robot.client, robot.place, key, None, Positions, robot.timeout_s).steps
 
 
 def number_of_a_motion(twin: Twin) -> int:
@@ -38,7 +30,7 @@ def moves(robot: Robot) -> None:
 def test_stopping_or_disabling_the_simulation_at_its_goal_ends_the_lead(
     stage: Stage, twin: Twin, act: Callable[[Robot], object]
 ) -> None:
-    before = steps(twin.hw)
+    before = raw_positions(twin.hw).steps
     motion = twin.preview(yaw=10, speed=60).commit(lead_s=2.5, wait=False)
     until(lambda: twin.sim.positions().commanded.short == pytest.approx(10, abs=0.1), "there")
     teacher = stage.robot("bea", "sim", "teacher")
@@ -46,12 +38,11 @@ def test_stopping_or_disabling_the_simulation_at_its_goal_ends_the_lead(
     with pytest.raises((Interrupted, Refused)):
         motion.result(10)
     assert not motion.hardware_sent
-    assert steps(twin.hw) == before
-    twin.reset()
+    assert raw_positions(twin.hw).steps == before
 
 
 def test_abort_within_the_lead_stops_the_simulation_and_leaves_the_hardware_unmoved(twin: Twin) -> None:
-    before, number = steps(twin.hw), twin.hw.status().motion
+    before, number = raw_positions(twin.hw).steps, twin.hw.status().motion
     plan = twin.preview(yaw=90)
     motion = plan.commit(lead_s=5, wait=False)
     moves(twin.sim)
@@ -60,14 +51,11 @@ def test_abort_within_the_lead_stops_the_simulation_and_leaves_the_hardware_unmo
     assert 3 < motion.countdown_s < 5
     plan.abort()
     assert (motion.done(), motion.hardware_sent, motion.countdown_s) == (True, False, 0.0)
-    with pytest.raises(
-        Interrupted, match=r"(?s)Cancelled.*bea \(sim\): Stopped.*bea \(hw\): not moved"
-    ) as end:
-        motion.result()
-    assert end.value.reason is Reason.STOPPED
+    cancelled = r"(?s)Cancelled.*bea \(sim\): Stopped.*bea \(hw\): not moved"
+    assert_fails(motion.result, Interrupted, Reason.STOPPED, cancelled)
     assert not motion.cancel()
     assert not twin.sim.status().moving
-    assert (steps(twin.hw), twin.hw.status().motion) == (before, number)
+    assert (raw_positions(twin.hw).steps, twin.hw.status().motion) == (before, number)
 
 
 def first_move_ns(positions: Subscription[Positions]) -> int:
@@ -85,9 +73,7 @@ def test_the_hardware_follows_after_the_lead_and_the_lag_is_measured(twin: Twin)
         motion.add_done_callback(ended.append)
         replies = motion.result(10)
         published_s = (first_move_ns(of_hw) - first_move_ns(of_sim)) / 1e9
-    assert published_s == pytest.approx(1.0, abs=0.2), (
-        "with tolerance for a busy machine; tools/bench_twin.py prints the exact figure"
-    )
+    assert published_s == pytest.approx(1.0, abs=0.2), "tools/bench_twin.py prints the exact figure"
     assert motion.lag_s == pytest.approx(published_s, abs=0.03)
     assert (replies.sim.result, replies.hw.result, motion.hardware_sent) == (True, True, True)
     assert twin.sim.positions().commanded == twin.hw.positions().commanded
@@ -109,29 +95,23 @@ def test_a_plan_committed_within_the_lead_replaces_the_previous_one(twin: Twin) 
 
 @pytest.mark.parametrize("side", ["sim", "hw"])
 def test_stop_at_either_robot_within_the_lead_ends_the_motion(stage: Stage, twin: Twin, side: str) -> None:
-    before = steps(twin.hw)
+    before = raw_positions(twin.hw).steps
     other = stage.robot("bea", side, "ben")
     motion = twin.preview(yaw=90).commit(lead_s=5, wait=False)
     moves(twin.sim)
     other.stop()
-    with pytest.raises(Interrupted, match=r"(?s)STOP.*bea \(hw\): not moved") as end:
-        motion.result(4)
-    assert end.value.reason is Reason.STOPPED
-    assert steps(twin.hw) == before
+    assert_fails(lambda: motion.result(4), Interrupted, Reason.STOPPED, r"(?s)STOP.*bea \(hw\): not moved")
+    assert raw_positions(twin.hw).steps == before
     assert not twin.sim.status().moving
-
-
-def disable(robot: Robot) -> None:
-    robot.disable()
 
 
 def turn(robot: Robot) -> None:
     robot.look(yaw=-3, speed=60)
 
 
-@pytest.mark.parametrize(("change", "message"), [(disable, "motors are off"), (turn, "has moved")])
+@pytest.mark.parametrize(("change", "message"), [(Robot.disable, "motors are off"), (turn, "has moved")])
 def test_changed_hardware_is_not_moved_after_the_lead(
-    twin: Twin, change: Callable[[Robot], None], message: str
+    twin: Twin, change: Callable[[Robot], object], message: str
 ) -> None:
     number = number_of_a_motion(twin)
     motion = twin.preview(yaw=90, speed=30).commit(lead_s=1.5, wait=False)

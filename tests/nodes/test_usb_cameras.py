@@ -40,10 +40,7 @@ def stage(cameras: dict[str, FakeCamera], tmp_path_factory: pytest.TempPathFacto
     with pytest.MonkeyPatch.context() as patch, Stage() as stage:
         patch.setenv("LD_PRELOAD", str(library(tmp_path_factory.mktemp("built"))))
         words = [word for eye, camera in cameras.items() for word in ("--camera", f"{eye}={camera.path}")]
-        node = stage.process(
-            "hw_node", "--name", "bea", "--connect", stage.endpoint, "--port", "virtual:", *words
-        )
-        node.expect("ready")
+        stage.hardware("bea", "virtual:", *words)
         yield stage
 
 

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import itertools
 import json
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
 from robots import Stage, ready, until
 from web_client import WebClient, WebSocket, online, serving
-from web_holds import hold_button, jog
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import Command, Source
 from gui.page.handlers import MESSAGES_MAX
 
 NAMES = itertools.count(1)
+SPEED_DEG_S = 20.0
 
 
 @pytest.fixture(scope="module")
@@ -87,6 +87,35 @@ def stops_on_the_way(robot: Robot) -> None:
     """Wait until the robot rests; it is not at home yet."""
     until(lambda: not robot.status().moving, "at rest")
     assert abs(robot.positions().head.yaw) > 1.0
+
+
+def hold_button(page: WebSocket, part: str, holds: Callable[[dict[str, Any]], bool], what: str) -> None:
+    """Hold a button until a view fulfils `holds`, with a heartbeat for each message."""
+
+    def held(view: dict[str, Any]) -> bool:
+        if holds(view):
+            return True
+        if _says_why(view):
+            page.send("ReleaseArm")  # the next heartbeat begins a new press
+        page.send("HoldArm", arm=part, sign=1)
+        return False
+
+    page.send("Choose", name="speed", value=SPEED_DEG_S)
+    page.state(held, what)
+    page.send("ReleaseArm")
+
+
+def _says_why(view: dict[str, Any]) -> bool:
+    """Return whether the user reads why a press has ended, for example because no heartbeat arrived in time."""
+    rows = view["history"][:1]
+    # A limit is shown beside the button.
+    stopped = any(row["good"] is False and "allowed" not in row["result"] for row in rows)
+    return bool(view["you"]["notice"] or view["head"]["refusal"] or stopped)
+
+
+def jog(page: WebSocket, part: str, moved: float) -> None:
+    """Hold the + button of an axis until its absolute angle is above `moved` (deg)."""
+    hold_button(page, part, lambda view: abs(view["head"]["hw"][part]) > moved, "moved")
 
 
 # -- driving -------------------------------------------------------------------------------------------
@@ -188,14 +217,8 @@ def test_the_class_is_a_table_of_all_robots_and_a_projector_shows_whose_turn_it_
 
 def test_choices_of_the_browser_return_and_texts_follow_the_language(browser: WebClient) -> None:
     page = browser.connect()
-    page.send(
-        "open",
-        saved={
-            "language": "de",
-            "speed": 12,
-            "poses": [{"name": "hoch", "short": 1, "middle": 2, "long": 3}],
-        },
-    )
+    pose = {"name": "hoch", "short": 1, "middle": 2, "long": 3}
+    page.send("open", saved={"language": "de", "speed": 12, "poses": [pose]})
     view = page.state(lambda view: view["language"] == "de", "German")
     assert (view["texts"]["page.drive"], view["pills"][1]["title"]) == ("Steuern", "Hardware")
     assert (view["choices"]["speed"], [card["name"] for card in view["sequence"]["cards"]]) == (12, ["hoch"])
@@ -220,10 +243,7 @@ def test_pages_show_the_first_robot_that_comes_and_that_it_or_the_router_is_lost
         page.state(lambda view: online(view) and view["robot"] == "bea1", "online")
         alone.end_nodes()
         view = page.state(lambda view: not online(view), "absent")
-        assert view["banner"] == {
-            "text": view["banner"]["text"],
-            "buttons": [],
-        }  # none that starts a program
+        assert view["banner"] == {"text": view["banner"]["text"], "buttons": []}  # none that starts a program
         alone.end_router()
         page.state(lambda view: not view["online"], "no router")
 

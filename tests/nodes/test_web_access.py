@@ -23,15 +23,8 @@ from gui.page.server import ADDRESS_MAX
 
 
 @pytest.fixture(scope="module")
-def stage() -> Iterator[Stage]:
-    """A router without robots."""
-    with Stage() as made:
-        yield made
-
-
-@pytest.fixture(scope="module")
-def port(stage: Stage) -> Iterator[int]:
-    with serving(stage.endpoint) as made:
+def port(router: Stage) -> Iterator[int]:
+    with serving(router.endpoint) as made:
         yield made
 
 
@@ -50,8 +43,6 @@ def browser(port: int) -> Iterator[WebClient]:
     "headers",
     [
         {"Host": "evil.example:{port}", "Origin": "http://evil.example:{port}"},
-        {"Host": "127.0.0.1:1"},
-        {"Host": "192.168.1.20:{port}"},
         {"Origin": "http://evil.example"},
         {"Origin": ""},
         {"Cookie": ""},
@@ -99,16 +90,10 @@ def test_cookies_are_for_this_page_only(port: int) -> None:
     assert all("SameSite=Strict" in cookie and "HttpOnly" in cookie for cookie in cookies)
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "",
-        "{",
-        '{"do":"HoldArm","arm":"nose","sign":1}',
-        '{"do":"StartSimulation"}',
-        "x" * 100,
-    ],
-)
+UNREADABLE = ("", "{", '{"do":"HoldArm","arm":"nose","sign":1}', '{"do":"StartSimulation"}', "x" * 100)
+
+
+@pytest.mark.parametrize("text", UNREADABLE)
 def test_a_message_that_cannot_be_read_closes_the_web_socket(browser: WebClient, text: str) -> None:
     page = browser.connect()
     page.send_raw(text)
@@ -125,8 +110,8 @@ def test_the_web_socket_of_a_page_that_floods_is_closed(browser: WebClient) -> N
     assert page.code == 4001
 
 
-def test_too_many_connections_of_an_address_are_closed(stage: Stage) -> None:
-    with serving(stage.endpoint) as port, contextlib.ExitStack() as flood:
+def test_too_many_connections_of_an_address_are_closed(router: Stage) -> None:
+    with serving(router.endpoint) as port, contextlib.ExitStack() as flood:
         made = [
             flood.enter_context(socket.create_connection(("127.0.0.1", port))) for _ in range(ADDRESS_MAX + 1)
         ]
@@ -149,19 +134,17 @@ def served(browser: WebClient) -> bool:
 
 
 @pytest.fixture
-def locked(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> Iterator[WebClient]:
+def locked(router: Stage, monkeypatch: pytest.MonkeyPatch) -> Iterator[WebClient]:
     """A browser of a server with a PIN. The server uses loopback only, because tests must not open other ports."""
     monkeypatch.setattr(server, "ALL", server.LOOPBACK)
-    with serving(stage.endpoint, pin=PIN) as port, WebClient(port) as made:
+    with serving(router.endpoint, pin=PIN) as port, WebClient(port) as made:
         yield made
 
 
 def test_the_page_needs_the_pin(locked: WebClient) -> None:
     assert 'name="pin"' in locked.load()
     assert locked.refusal() == (403, "This browser is not logged in. Load the control page again.")
-    assert "class.js" not in locked.fetch("/class").body.decode(), (
-        "the page for a projector needs the PIN, too"
-    )
+    assert "class.js" not in locked.fetch("/class").body.decode(), "the projector needs it, too"
     wrong = locked.log_in("000000")
     assert wrong.code == 403
     assert "This PIN is wrong." in wrong.body.decode()
@@ -176,20 +159,11 @@ def test_a_pin_of_a_foreign_page_is_not_checked(locked: WebClient) -> None:
     assert list(locked.cookies) == ["_xsrf"]
 
 
-def test_the_number_of_wrong_pins_is_limited(locked: WebClient) -> None:
-    locked.load()
-    for _ in range(5):
-        locked.log_in("000000")
-    assert "There were too many wrong PINs. Wait" in locked.log_in(PIN).body.decode()
-    assert "_xsrf" in locked.cookies
-    assert locked.refusal()[0] == 403
-
-
 # -- the verb ------------------------------------------------------------------------------------------
 
 
-def test_the_verb_prints_its_url_and_ends_with_ctrl_c(stage: Stage) -> None:
-    words = ("--connect", stage.endpoint, "--who", "ana", "--port", str(free_port()))
+def test_the_verb_prints_its_url_and_ends_with_ctrl_c(router: Stage) -> None:
+    words = ("--connect", router.endpoint, "--who", "ana", "--port", str(free_port()))
     process = Process(*CLI, "web", *words)
     process.expect(f"ready http://127.0.0.1:{words[-1]}/")
     assert process.end(signal.SIGINT) == 0
@@ -204,10 +178,10 @@ def test_the_verb_prints_its_url_and_ends_with_ctrl_c(stage: Stage) -> None:
     ],
 )
 def test_the_error_of_the_verb_names_the_cause(
-    stage: Stage, port: int, words: tuple[str, ...], code: int, sentence: str
+    router: Stage, port: int, words: tuple[str, ...], code: int, sentence: str
 ) -> None:
     given = [word.format(port=port, free=free_port()) for word in words]
-    more = [] if "--connect" in words else ["--connect", stage.endpoint]
+    more = [] if "--connect" in words else ["--connect", router.endpoint]
     done = beatrix("web", *more, *given)
     assert done.returncode == code
     assert sentence in done.stderr
@@ -219,7 +193,7 @@ async def announce(*_: object, **given: Any) -> None:
 
 
 def test_with_lan_the_verb_prints_a_pin_but_never_that_of_the_environment(
-    stage: Stage, monkeypatch: pytest.MonkeyPatch
+    router: Stage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(web, "own_address", lambda: "192.168.1.20")
     monkeypatch.setattr(server, "serve", announce)

@@ -13,18 +13,20 @@ from pathlib import Path
 from typing import Any, Self
 
 import msgspec
-from patient_connections import patiently
-from robots import Process, until
+from patient_connections import PATIENCE_S, patiently
+from robots import Process, children, until
 
+from beatrix_zenoh import Robot, class_file
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh import class_file
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus import Bus, Incoming
 from beatrix_zenoh.classroom import certificates, provision
 from beatrix_zenoh.classroom.router_file import Part
+from beatrix_zenoh.client import Client
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.recording.viewer import free_port
+from beatrix_zenoh.settings import Settings
 
 CLI = ("-m", "beatrix_zenoh.cli")
 ANSWER_S = 5.0
@@ -122,6 +124,7 @@ class ClassRouter:
         provision.init(self.classroom, self.folder)
         self.process = self.start()
         self._sessions: dict[str, Bus] = {}
+        self._clients: list[Client] = []
         self._processes: list[Process] = [self.process]
 
     def start(self) -> Process:
@@ -176,6 +179,17 @@ class ClassRouter:
         account = self.account(name)
         return patiently(lambda: zbus.connect(account.connect, label=label, account=account))
 
+    def client(self, name: str) -> Client:
+        """Return a client of an account with a new session, which ends with this class at the latest."""
+        account = self.account(name)
+        client = patiently(lambda: Client(Settings("", account.connect, name, account=account)))
+        self._clients.append(client)
+        return client
+
+    def robot(self, name: str, side: str, seat: str) -> Robot:
+        """Return a robot through a new client of a seat."""
+        return Robot(name, side, client=self.client(seat), timeout_s=PATIENCE_S)
+
     def settled(self, bus: Bus) -> None:
         """Wait until both routers have handled all declarations of this session."""
         account = bus._account
@@ -188,6 +202,8 @@ class ClassRouter:
         end()
 
     def close(self) -> None:
+        for client in self._clients:
+            client.close()
         for session in self._sessions.values():
             session.close()
         for process in reversed(self._processes):
@@ -227,10 +243,7 @@ def start_node(folder: Path, account: Path) -> Process:
 
 def process_of(router: ClassRouter, part: Part) -> int:
     """Return the process id of one of the two routers."""
-    children = Path(f"/proc/{router.process.pid}/task/{router.process.pid}/children").read_text().split()
-    return next(
-        int(pid) for pid in children if part.value.encode() in Path(f"/proc/{pid}/cmdline").read_bytes()
-    )
+    return next(pid for pid, command in children(router.process.pid).items() if part.value in command.split())
 
 
 def end(router: ClassRouter, part: Part, how: signal.Signals = signal.SIGKILL) -> None:

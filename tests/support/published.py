@@ -71,11 +71,6 @@ def published_statuses(robot: Robot) -> Published[Status]:
     return statuses
 
 
-def without_clocks(status: Status) -> object:
-    """Return the values of a status whose change is published: no clocks, rates and counters of the physics."""
-    return change_fields(status)
-
-
 def at_once(status: Status, since_ns: float) -> None:
     """Assert that a status was published at most AT_ONCE_S after a change; the test has the mark `measures_time`."""
     in_time((status.t_mono_ns - since_ns) / 1e9, AT_ONCE_S, "publication of a change")
@@ -93,7 +88,7 @@ def regular(statuses: Published[Status]) -> Status:
     deadline, changed = time.monotonic() + EVENT_S, list[str]()
     while time.monotonic() < deadline:
         status = statuses.next()
-        if without_clocks(status) != without_clocks(before):
+        if change_fields(status) != change_fields(before):
             pairs = zip(values(status), values(before), strict=False)
             changed, before = [one.field for one, other in pairs if one != other], status
         elif status.holder == "" and status.t_mono_ns - before.t_mono_ns > AT_ONCE_S * 1e9:

@@ -14,12 +14,19 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Self
 
+import pytest
+
 from beatrix_zenoh import Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Reply, Sessions
 from beatrix_zenoh.client import Client
-from beatrix_zenoh.contract._generated.messages import Status
+from beatrix_zenoh.client.motion import Motion
+from beatrix_zenoh.client.request import ask
+from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Positions, Reason, Status
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
+from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.legacy import Terminal
 from beatrix_zenoh.node import Node
 from beatrix_zenoh.node.node import RobotBody
 from beatrix_zenoh.recording.viewer import free_port
@@ -64,6 +71,20 @@ def _suspended(thread: Path) -> bool:
     with contextlib.suppress(OSError):
         return (thread / "stat").read_text().rpartition(")")[2].split()[0] in "TtZX"
     return True
+
+
+def children(pid: int) -> dict[int, str]:
+    """Return the command lines of a process's living children by process number; none if /proc is missing."""
+    found = {}
+    for listing in Path(f"/proc/{pid}/task").glob("*/children"):
+        with contextlib.suppress(OSError):  # that thread has just ended
+            for number in map(int, listing.read_text().split()):
+                with contextlib.suppress(OSError):  # that child has just ended
+                    state = Path(f"/proc/{number}/stat").read_text().rpartition(")")[2].split()[0]
+                    command = Path(f"/proc/{number}/cmdline").read_bytes().replace(b"\0", b" ")
+                    if state != "Z":
+                        found[number] = command.decode(errors="replace").strip()
+    return found
 
 
 class Process:
@@ -245,10 +266,25 @@ class Stage:
         process.expect("ready")
         return process
 
-    def node(self, name: str, body: RobotBody | None = None, robot: RobotData = ROBOT) -> Node:
+    def recorder(self, path: Path, *options: str) -> Process:
+        """Start `beatrix record`; return when it is ready."""
+        words = ("record", str(path), "--connect", self.endpoint, *options)
+        process = self.process("beatrix_zenoh.cli", *words)
+        process.expect("ready")
+        return process
+
+    def node(
+        self,
+        name: str,
+        body: RobotBody | None = None,
+        robot: RobotData = ROBOT,
+        terminal: Terminal | None = None,
+        kept: Path | None = None,
+    ) -> Node:
         """Start a node inside this process, on a virtual board of its own unless a body is given."""
         body = body or VirtualHardware(name)
-        node = Node(Sessions(lambda: zbus.connect(self.endpoint)), name, body, robot).start()
+        sessions = Sessions(lambda: zbus.connect(self.endpoint))
+        node = Node(sessions, name, body, robot, terminal, kept).start()
         self._nodes.append(node)
         return node
 
@@ -303,9 +339,31 @@ def ready(robot: Robot) -> Robot:
     return robot
 
 
+def turning(robot: Robot, yaw: float = 60.0) -> Motion:
+    """Begin to turn the head from home; return the motion when the arms have moved."""
+    motion = robot.look(yaw=yaw, wait=False)
+    until(lambda: robot.positions().commanded.short > 1, "moving")
+    return motion
+
+
+def assert_fails(
+    request: Callable[[], object], kind: type[BeatrixError], reason: Reason, match: str | None = None
+) -> None:
+    """Assert that a request ends with an error of this kind and reason, whose message matches."""
+    with pytest.raises(kind, match=match) as error:
+        request()
+    assert error.value.reason is reason
+
+
 def wait_status(robot: Robot, holds: Callable[[Status], bool], what: str, timeout_s: float = EVENT_S) -> None:
     """Wait until the robot's status fulfils `holds`."""
     until(lambda: holds(robot.status()), what, timeout_s)
+
+
+def raw_positions(robot: Robot) -> Positions:
+    """Query the positions of a robot as it sends them, in rad and steps."""
+    key = keys.positions(robot.name, robot.side)
+    return ask(robot.client, robot.place, key, None, Positions, robot.timeout_s)
 
 
 def ask_raw(

@@ -8,7 +8,6 @@ computer that permits namespaces but does not lay the cables is a failure, never
 from __future__ import annotations
 
 import functools
-import signal
 import subprocess
 from pathlib import Path
 from typing import Final, Self
@@ -83,21 +82,6 @@ class School:
                 "link set eth0 multicast off up",
             )
         return host
-
-    def unplug(self, host: Host) -> None:
-        """Pull the cable of a computer; without namespaces suspend its processes, which looks the same to others."""
-        self._connect(host, "down", signal.SIGSTOP)
-
-    def plug(self, host: Host) -> None:
-        """Plug the cable in again."""
-        self._connect(host, "up", signal.SIGCONT)
-
-    def _connect(self, host: Host, state: str, number: signal.Signals) -> None:
-        if self.isolated:
-            self._network(self.router, f"link set cable{host.number} {state}")
-        else:
-            for process in host.processes:
-                process.send(number)
 
     def _host(self, name: str) -> Host:
         folder = self._folder / name

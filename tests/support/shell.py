@@ -20,14 +20,10 @@ from typing import Any
 from robots import ROOT, Process, free_endpoint, until, untraced
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.contract._generated.messages import EventKind
-from beatrix_zenoh.node import Node
 from beatrix_zenoh.node.callers import QUIET_S
 from beatrix_zenoh.shutdown import SIGNALS
-from hw_node.body import VirtualHardware
 
 CLI = ("-m", "beatrix_zenoh.cli")
 NAME = "bea1"
@@ -68,6 +64,13 @@ def beatrix(*words: str, answers: str = "") -> subprocess.CompletedProcess[str]:
     finally:
         logging.getLogger().removeHandler(warnings)
     return subprocess.CompletedProcess(words, code, stdout.getvalue(), stderr.getvalue())
+
+
+def good(*words: str) -> str:
+    """Run `beatrix` with success; return its output."""
+    done = beatrix(*words)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
 
 
 class Shell:
@@ -127,16 +130,6 @@ def both() -> Iterator[Shell]:
         yield made
     finally:
         assert up.end(signal.SIGINT) == 0
-
-
-@contextlib.contextmanager
-def another(shell: Shell, name: str) -> Iterator[Node]:
-    """Start another robot at the same router, in this process."""
-    node = Node(Sessions(lambda: zbus.connect(shell.endpoint)), name, VirtualHardware(name)).start()
-    try:
-        yield node
-    finally:
-        node.close()
 
 
 def wait_until_free(shell: Shell, seat: str = "ana") -> None:
