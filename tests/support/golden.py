@@ -10,6 +10,7 @@ import fcntl
 import json
 import os
 import tomllib
+from functools import cache
 from pathlib import Path
 
 FILE = Path(__file__).resolve().parents[1] / "golden.toml"
@@ -21,7 +22,14 @@ def same(case: str, text: str) -> None:
     section, name = case.split(".", 1)
     if os.environ.get("GOLDEN") == "write":
         write(section, name, text)
-    assert text == tomllib.loads(FILE.read_text(encoding="utf-8"))[section][name], case
+    else:
+        assert text == entries()[section][name], case
+
+
+@cache
+def entries() -> dict[str, dict[str, str]]:
+    """Return all sections of the golden file, read once: that takes longer than most tests of a sentence."""
+    return tomllib.loads(FILE.read_text(encoding="utf-8"))
 
 
 def write(section: str, name: str, text: str) -> None:
