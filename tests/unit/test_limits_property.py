@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import pytest
 from hypothesis import assume, given
@@ -31,8 +32,8 @@ REST: Arms = (0.0, 0.0, 0.0)
 SPEED: Arms = (1.0, 1.0, 1.0)
 
 
-def dense(way: Trajectory, count: int = 200) -> list[Arms]:
-    return [way.at(way.duration * i / count)[0] for i in range(count + 1)]
+def dense(way: Trajectory, count: int = 200) -> Iterator[Arms]:
+    return (way.at(way.duration * i / count)[0] for i in range(count + 1))
 
 
 directions = st.floats(-math.pi, math.pi)
@@ -85,7 +86,7 @@ def check(
 ) -> None:
     """Assert on the densely sampled path that an accepted motion keeps all limits, and a refused one exceeds its limit."""
     try:
-        ways = dense(limits.check_motion(start, velocity, target, speed, straight=straight))
+        ways = list(dense(limits.check_motion(start, velocity, target, speed, straight=straight)))
     except Refused as refusal:
         trajectory = time_law(start, velocity, target, speed, limits.acceleration, straight=straight)
         assert any(breaks_at(limits, refusal.reason, arms) for arms in dense(trajectory, 2000))  # noqa: PT017
