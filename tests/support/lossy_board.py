@@ -10,7 +10,6 @@ from ticking_board import RealTimeTicker
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.board.virtual import Firmware, VirtualBoard
-from beatrix_zenoh.contract._generated.serial import Telemetry
 
 
 class LossyPort:
@@ -59,28 +58,23 @@ class LossyPort:
 
 
 class Rig:
-    """A Board on a lossy wire, with the samples that it reported."""
+    """A Board on a lossy wire."""
 
     def __init__(self) -> None:
         self.virtual = VirtualBoard(Firmware(boot=1, name="bea"))
         self.ticker = RealTimeTicker(self.virtual)
         self.port = LossyPort(self.virtual)
-        self.samples: list[Telemetry] = []
-        self.board = Board(lambda: self.port, self.samples.append, lambda: None)
+        self.board = Board(lambda: self.port, lambda _: None, lambda: None)
         self.board.start()
         assert self.board.wait_for(lambda _: True, 2.0)
-
-    def steps(self) -> tuple[int, int, int]:
-        """Return the set points of the firmware, in steps."""
-        with self.virtual.lock:
-            return self.virtual.firmware.steps()
 
     def rest(self) -> tuple[int, int, int]:
         """Wait until no arm has stepped for 0.2 s; return the positions of the arms."""
         seen: list[tuple[int, int, int]] = []
 
         def at_rest() -> bool:
-            seen.append(self.steps())
+            with self.virtual.lock:
+                seen.append(self.virtual.firmware.steps())
             return len(seen) > 20 and seen[-1] == seen[-21]
 
         until(at_rest, "at rest")

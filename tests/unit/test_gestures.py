@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import math
 import os
-from collections.abc import Callable
 from pathlib import Path
 from unittest.mock import MagicMock, Mock
 
@@ -65,12 +64,6 @@ def length(poses: list[Pose]) -> float:
     return end_s
 
 
-def swings(angles: tuple[float, ...]) -> int:
-    """Return how often an angle goes from one side of zero to the other."""
-    sides = [angle > 0 for angle in angles if angle]
-    return sum(one != other for one, other in itertools.pairwise(sides))
-
-
 def test_every_gesture_has_a_file_and_every_file_but_the_demo_is_a_gesture() -> None:
     assert {entry.name.removesuffix(".csv") for entry in SHIPPED.iterdir()} == {*GESTURES, "demo"}
 
@@ -115,24 +108,6 @@ def test_a_gesture_is_within_narrower_limits_of_a_laboratory(
 def test_a_largest_speed_that_is_no_speed_is_refused(speed: float) -> None:
     with pytest.raises(WrongUsage):
         shipped("yes").at_most(speed)
-
-
-Angles = tuple[float, ...]
-FORMS: dict[str, Callable[[Angles, Angles, Angles], bool]] = {
-    "yes": lambda yaw, pitch, roll: swings(pitch) >= 3 and not any((*yaw, *roll)),
-    "no": lambda yaw, pitch, roll: swings(yaw) >= 2 and not any((*pitch, *roll)),
-    "hello": lambda yaw, pitch, roll: swings(roll) >= 2 and not any(yaw) and min(pitch) < 0,
-    "surprised": lambda yaw, pitch, _roll: pitch[1] < -15 and swings(yaw) >= 1,
-    "sleepy": lambda _yaw, pitch, roll: max(pitch) > 15 and max(roll) > 5 and swings(pitch) == 1,
-    "curious": lambda yaw, _pitch, roll: swings(yaw) == swings(roll) == 1,
-    "dance": lambda yaw, pitch, roll: min(map(swings, (yaw, pitch, roll))) >= 2,
-}
-
-
-@pytest.mark.parametrize("gesture", GESTURES)
-def test_a_gesture_turns_the_head_as_people_do(gesture: str) -> None:
-    yaw, pitch, roll = zip(*((pose.yaw, pose.pitch, pose.roll) for pose in poses(gesture)), strict=True)
-    assert FORMS[gesture](yaw, pitch, roll)
 
 
 # -- choreographies: file contents, the shipped choreography, and the order of poses ---------------
