@@ -1,4 +1,4 @@
-"""Shipped gestures: within the limits of robots, a few seconds long, from home to home, and of the right form."""
+"""Shipped gestures: within the limits of robots, a few seconds long, and from home to home."""
 
 from __future__ import annotations
 
