@@ -20,6 +20,7 @@ from access_callers import (
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.contract.refusals import LINGER_S
 from beatrix_zenoh.node.access import Access, Operation
 from beatrix_zenoh.node.callers import Caller
@@ -252,20 +253,19 @@ def test_the_end_of_a_turn_gives_the_robot_to_the_next_seat_although_the_last_on
 
 
 @pytest.mark.parametrize(
-    ("enders", "presser"),
-    [("end_turn", "teacher"), ("take", "teacher"), ("give_back", ""), ("give_back take", "")],
+    ("end", "presser"),
+    [
+        (lambda access: end_turn(access, 1), TEACHER),
+        (lambda access: access.lease.take(BOSS, 1), TEACHER),
+        (lambda access: access.lease.give_back(ANA), ""),
+        (lambda access: access.lease.give_back(ANA) and access.lease.take(BOSS, 1), ""),
+    ],
 )
 def test_a_refusal_says_whether_the_teacher_has_ended_a_lease(
-    access: Access, enders: str, presser: str
+    access: Access, end: Callable[[Access], object], presser: str
 ) -> None:
     number = access.lease.take(ANA, 0)
-    ways: dict[str, Callable[[], object]] = {
-        "end_turn": lambda: end_turn(access, 1),
-        "take": lambda: access.lease.take(BOSS, 1),
-        "give_back": lambda: access.lease.give_back(ANA),
-    }
-    for way in enders.split():
-        ways[way]()
+    end(access)
     with pytest.raises(Refused) as refused:
         access.authorize(MOVE, ANA, 2, lease=number)
     assert refused.value.reason is Reason.NOT_HOLDER

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import cast
 
@@ -100,25 +101,16 @@ def frequent_switches() -> Iterator[None]:
 
 
 def in_threads(*work: Callable[[], object]) -> None:
-    """Run functions at the same time; raise the first error, or AssertionError if one does not end."""
-    errors: list[BaseException] = []
+    """Run functions at the same time; raise the first error, or TimeoutError if one does not end."""
     begin = threading.Barrier(len(work))
 
     def run(one: Callable[[], object]) -> None:
         begin.wait()
-        try:
-            one()
-        except BaseException as error:  # noqa: BLE001  # it is raised below
-            errors.append(error)
+        one()
 
-    threads = [threading.Thread(target=run, args=(one,), daemon=True) for one in work]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join(END_S)
-    assert not any(thread.is_alive() for thread in threads), "a thread waits for ever"
-    if errors:
-        raise errors[0]
+    with ThreadPoolExecutor(len(work)) as pool:
+        for future in [pool.submit(run, one) for one in work]:
+            future.result(END_S)
 
 
 def until_closed(work: Callable[[], object]) -> None:

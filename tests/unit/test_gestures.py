@@ -165,9 +165,6 @@ def test_a_file_is_read_and_a_shipped_one_is_found_by_its_name(tmp_path: Path) -
     path.write_text(ROWS, encoding="utf-8")
     assert len(load(path).steps) == 3
     assert load(Path("hello")) == shipped("hello")
-    path.write_bytes(b"\xff\xfe")
-    with pytest.raises(WrongUsage, match="not text in UTF-8"):
-        load(path)
     names = ", ".join(sorted((*GESTURES, "demo")))
     with pytest.raises(WrongUsage, match=f"or a shipped choreography: {names}"):
         load(tmp_path / "yours.csv")
