@@ -11,14 +11,12 @@ from access_callers import (
     NO_SESSION,
     OLD,
     begin_motion,
-    finish_motion,
     refusal,
     stop,
 )
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.contract.refusals import LINGER_S
 from beatrix_zenoh.node.access import Access, Operation
 from beatrix_zenoh.node.callers import LOOP_S, NO_CALLER, QUIET_OLD_PROGRAM_S, QUIET_S, Caller
 
@@ -59,13 +57,6 @@ def test_each_request_restarts_the_pause_of_a_stopped_seat(access: Access) -> No
         assert refusal(access, ANA, now_s) is Reason.STOPPED
     assert refusal(access, ANA, 4.5 + QUIET_S - 0.01) is Reason.STOPPED
     assert refusal(access, ANA, 4.5 + 2 * QUIET_S) is Reason.OK
-
-
-def test_a_program_that_moves_once_a_second_stays_stopped(access: Access) -> None:
-    finish_motion(access, ANA, 0)
-    stop(access, BEN, LINGER_S + 0.5)
-    for second in range(10):
-        assert refusal(access, ANA, LINGER_S + 1 + second) is Reason.STOPPED
 
 
 def test_a_request_that_is_refused_for_another_reason_restarts_the_pause(access: Access) -> None:

@@ -43,9 +43,6 @@ class Sequences(RuleBasedStateMachine):
     @rule(seconds=st.sampled_from([0.01, 0.4, 1.0, 2.0, 3.1, 5.1]))
     def time_passes(self, seconds: float) -> None:
         self.now_s += seconds
-        self._give_up()
-
-    def _give_up(self) -> None:
         if self.access.give_up_sessions(self.now_s):
             self._lose_client()
 
