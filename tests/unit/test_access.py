@@ -54,7 +54,7 @@ SITUATIONS: dict[str, Callable[[Access], object]] = {
     "follows": follow,
 }
 MOVE, ENABLE, DISABLE, CALIBRATE = Operation.MOVE, Operation.ENABLE, Operation.DISABLE, Operation.CALIBRATE
-FOLLOW, RESET = Operation.FOLLOW, Operation.RESET
+FOLLOW, LEASE, RESET = Operation.FOLLOW, Operation.LEASE, Operation.RESET
 STOPS, EVERYONE = (Operation.STOP, Operation.EMERGENCY_STOP), (ANA, BEN, BOSS, OLD, NO_SESSION)
 
 
@@ -62,11 +62,11 @@ STOPS, EVERYONE = (Operation.STOP, Operation.EMERGENCY_STOP), (ANA, BEN, BOSS, O
     ("situation", "callers", "actions", "reason"),
     [
         ("ana moves it", (ANA, ANA_AGAIN, BOSS), (MOVE, FOLLOW), Reason.OK),
-        ("ana moves it", (BEN,), (MOVE, ENABLE, DISABLE, CALIBRATE, FOLLOW), Reason.NOT_HOLDER),
+        ("ana moves it", (BEN,), (MOVE, ENABLE, DISABLE, CALIBRATE, FOLLOW, LEASE), Reason.NOT_HOLDER),
         ("ana moves it", (OLD,), (MOVE,), Reason.NOT_HOLDER),
         ("ana moves it", (BEN,), (*STOPS, RESET), Reason.OK),
         ("ana has taken it", (ANA, ANA_AGAIN, BOSS), (MOVE,), Reason.OK),
-        ("ana has taken it", (BEN,), (MOVE, ENABLE, CALIBRATE), Reason.NOT_HOLDER),
+        ("ana has taken it", (BEN,), (MOVE, ENABLE, CALIBRATE, LEASE), Reason.NOT_HOLDER),
         ("ana has taken it", (BEN,), STOPS, Reason.OK),
         ("latched", EVERYONE, (MOVE, ENABLE, CALIBRATE, FOLLOW), Reason.EMERGENCY),
         ("latched", EVERYONE, (DISABLE, *STOPS, RESET), Reason.OK),
@@ -75,7 +75,7 @@ STOPS, EVERYONE = (Operation.STOP, Operation.EMERGENCY_STOP), (ANA, BEN, BOSS, O
         ("frozen", (ANA,), (Operation.GOVERN,), Reason.TEACHER_ONLY),
         ("frozen", (BOSS,), (MOVE, Operation.GOVERN), Reason.OK),
         ("follows", (ANA, BOSS, OLD), (MOVE, CALIBRATE), Reason.FOLLOWING),
-        ("follows", (ANA, BOSS, OLD), (ENABLE, DISABLE, FOLLOW, Operation.LEASE, *STOPS), Reason.OK),
+        ("follows", (ANA, BOSS, OLD), (ENABLE, DISABLE, FOLLOW, LEASE, *STOPS), Reason.OK),
     ],
 )
 def test_each_situation_allows_callers_their_actions(

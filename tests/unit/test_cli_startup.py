@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import json
-import os
 import signal
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
-from robots import python
+from robots import Process, python
 
 import beatrix_zenoh
 from beatrix_zenoh import BeatrixError, Robot
@@ -20,21 +17,15 @@ from beatrix_zenoh import BeatrixError, Robot
     ("words", "library"),
     [("beatrix_zenoh.cli ls", "typer"), ("hw_node", "serial")],
 )
-def test_ctrl_c_during_an_import_prints_no_traceback(words: str, library: str, tmp_path: Path) -> None:
+def test_ctrl_c_during_an_import_prints_no_traceback(
+    words: str, library: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / f"{library}.py").write_text('import sys\nprint("here", flush=True)\nsys.stdin.read()\n')
-    with subprocess.Popen(
-        [sys.executable, "-m", *words.split()],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env={**os.environ, "PYTHONPATH": str(tmp_path)},
-    ) as process:
-        assert process.stdout is not None
-        assert process.stdout.readline() == "here\n"
-        process.send_signal(signal.SIGINT)
-        assert process.communicate(timeout=20) == ("", "")
-    assert process.returncode == 130
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    process = Process("-m", *words.split(), listens=True)
+    process.expect("here")
+    assert process.end(signal.SIGINT) == 130
+    assert process.lines == ["here"]
 
 
 def test_ctrl_c_that_a_library_turns_into_an_import_error_is_ctrl_c(tmp_path: Path) -> None:

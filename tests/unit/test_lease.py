@@ -8,7 +8,6 @@ from access_callers import ANA, ANA_AGAIN, BEN, BOSS, CLEO, refusal
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import TEACHER
-from beatrix_zenoh.contract.refusals import LINGER_S
 from beatrix_zenoh.node.access import Access, Operation
 from beatrix_zenoh.node.callers import IDLE_S, SETTLE_S, TURN_S, WAITING_MAX, Caller, Terms
 from beatrix_zenoh.node.lease_queries import standing, take
@@ -25,14 +24,6 @@ def test_only_a_free_robot_can_be_taken(access: Access) -> None:
         take(access, BEN, 1)
     assert refused.value.detail is not None
     assert (refused.value.reason, refused.value.detail.holder) == (Reason.NOT_HOLDER, "ana")
-
-
-def test_a_robot_that_another_seat_moves_is_not_free(access: Access) -> None:
-    access.take(BEN)
-    with pytest.raises(Refused):
-        take(access, ANA, 0)
-    access.rested(1)
-    assert take(access, ANA, 1 + LINGER_S) == 1
 
 
 def test_the_same_session_keeps_its_number_and_another_gets_a_new_one(access: Access) -> None:
