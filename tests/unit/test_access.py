@@ -6,17 +6,7 @@ import itertools
 from collections.abc import Callable
 
 import pytest
-from access_callers import (
-    ANA,
-    ANA_AGAIN,
-    BEN,
-    BOSS,
-    NO_SESSION,
-    OLD,
-    begin_motion,
-    finish_motion,
-    refusal,
-)
+from access_callers import ANA, ANA_AGAIN, BEN, BOSS, NO_SESSION, OLD, begin_motion, refusal
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
@@ -91,7 +81,7 @@ def test_each_situation_allows_callers_their_actions(
 
 
 def test_the_lease_ends_exactly_linger_s_after_the_motion(access: Access) -> None:
-    finish_motion(access, ANA, 10)
+    begin_motion(access, ANA, 10).rested(10)
     assert access.lease.holder(10 + LINGER_S - 0.001) == "ana"
     assert refusal(access, BEN, 10 + LINGER_S - 0.001) is Reason.NOT_HOLDER
     assert access.lease.holder(10 + LINGER_S) == ""
@@ -102,7 +92,7 @@ def test_undo_take_restores_the_previous_lease(access: Access) -> None:
     begin_motion(access, ANA, 0)
     access.undo_take()
     assert access.lease.holder(1) == ""
-    finish_motion(access, ANA, 2)
+    begin_motion(access, ANA, 2).rested(2)
     begin_motion(access, ANA, 3.5)
     access.undo_take()
     assert access.lease.holder(2 + LINGER_S - 0.1) == "ana"

@@ -3,17 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from access_callers import (
-    ANA,
-    ANA_AGAIN,
-    BEN,
-    BOSS,
-    NO_SESSION,
-    OLD,
-    begin_motion,
-    refusal,
-    stop,
-)
+from access_callers import ANA, ANA_AGAIN, BEN, BOSS, NO_SESSION, OLD, begin_motion, refusal, stop
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused

@@ -24,14 +24,10 @@ def access() -> Access:
     take(access, ANA, 0)
     take(access, BEN, 0, wait=True)
     take(access, CLEO, 0, wait=True)
-    lose_router(access)
-    return access
-
-
-def lose_router(access: Access) -> None:
     for caller in (ANA, BEN, CLEO):
         access.session_changed(caller, LOST_S, alive=False)
     access.router_changed(LOST_S + NOTICED_S, connected=False)
+    return access
 
 
 def return_of(access: Access, *sessions: object) -> Access:

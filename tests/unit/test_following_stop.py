@@ -105,11 +105,10 @@ class Following:
     def publish(self, key: str, payload: bytes) -> None:
         self._handlers[key](Received(key, payload, "", None))
 
-    def place(self, angle_deg: float, velocity_deg_s: float = 0.0) -> None:
+    def place(self, angle_deg: float) -> None:
         """Let the hardware publish that its set points are there."""
         self._seq += 1
-        message = positions(angle_deg, self._seq, velocity_deg_s)
-        self.publish(keys.positions("bea", "hw"), codec.encode(message))
+        self.publish(keys.positions("bea", "hw"), codec.encode(positions(angle_deg, self._seq)))
 
     def press_stop(self) -> None:
         """Do what the threads of Zenoh and of STOP do."""
@@ -122,19 +121,10 @@ class Following:
         return fields
 
 
-def positions(angle_deg: float, seq: int, velocity_deg_s: float = 0.0) -> Positions:
+def positions(angle_deg: float, seq: int) -> Positions:
     arms = vector((math.radians(angle_deg),) * 3)
-    velocity = vector((math.radians(velocity_deg_s),) * 3)
-    now_ns = time.monotonic_ns()
-    return replace(
-        AT_HOME,
-        seq=seq,
-        t_mono_ns=now_ns,
-        position=arms,
-        velocity=velocity,
-        commanded=arms,
-        head=Head(arms.x, 0.0, 0.0),
-    )
+    head, now_ns = Head(arms.x, 0.0, 0.0), time.monotonic_ns()
+    return replace(AT_HOME, seq=seq, t_mono_ns=now_ns, position=arms, commanded=arms, head=head)
 
 
 @pytest.fixture

@@ -23,10 +23,6 @@ BYTE = st.integers(0, 255)
 FRAMES = st.builds(SerialFrame, BYTE, BYTE, st.binary(max_size=MAX_PAYLOAD))
 
 
-def on_wire(frames: list[SerialFrame]) -> bytes:
-    return b"".join(encode(*frame) for frame in frames)
-
-
 def test_the_crc_has_the_check_value_of_the_catalogue() -> None:
     assert crc16(b"123456789") == 0x6F91  # check value of CRC-16/MCRF4XX
 
@@ -49,7 +45,7 @@ def test_an_encoded_frame_contains_no_delimiter_and_does_not_begin_like_text(fra
 
 @given(st.lists(FRAMES, max_size=5), st.lists(st.integers(0, 400), max_size=12))
 def test_chunks_of_any_size_give_the_same_frames(frames: list[SerialFrame], cuts: list[int]) -> None:
-    wire, decoder, got, at = on_wire(frames), Decoder(), [], 0
+    wire, decoder, got, at = b"".join(encode(*frame) for frame in frames), Decoder(), [], 0
     for cut in [*sorted(cuts), len(wire)]:
         got += decoder.feed(wire[at:cut])
         at = max(at, cut)
