@@ -44,12 +44,6 @@ def begin_motion(access: Access, caller: Caller, now_s: float) -> Access:
     return access
 
 
-def finish_motion(access: Access, caller: Caller, now_s: float) -> Access:
-    """Begin and end a motion of the caller."""
-    begin_motion(access, caller, now_s).rested(now_s)
-    return access
-
-
 def stop(access: Access, presser: Caller, now_s: float) -> Access:
     """Press STOP, let the board acknowledge it, and end the motion."""
     access.stop_pressed(presser, now_s)

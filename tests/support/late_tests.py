@@ -11,9 +11,9 @@ from __future__ import annotations
 import time
 from collections.abc import Generator, Iterator
 from contextlib import contextmanager
-from typing import Protocol
 
 import pytest
+from stall_monitor import Witness
 
 MOST = 3
 """Excused tests of a run; further ones fail."""
@@ -45,21 +45,11 @@ def within(limit_s: float, what: str) -> Iterator[None]:
     in_time(time.monotonic() - began_s, limit_s, what)
 
 
-class Pauses(Protocol):
-    """Measures how long this computer stands still; see tests/support/stall_monitor.py."""
-
-    def paused_s(self, since_s: float) -> float:
-        """Return the sum of all pauses since a time of the monotonic clock (s)."""
-
-    def close(self) -> None:
-        """End the measurement."""
-
-
 class Excuses:
     """Hooks of pytest. `counts` is false in a worker of xdist, whose controller decides."""
 
     def __init__(self, *, counts: bool) -> None:
-        self.witness: Pauses | None = None
+        self.witness: Witness | None = None
         self._counts = counts
         self._excused: list[str] = []
 

@@ -52,6 +52,20 @@ def untraced() -> dict[str, str]:
     return {name: value for name, value in os.environ.items() if name != "COVERAGE_PROCESS_CONFIG"}
 
 
+def python(folder: Path, *words: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Run Python in a folder to its end, as a user does: without the PYTHONPATH of the tests."""
+    kept = {name: value for name, value in untraced().items() if name != "PYTHONPATH"}
+    return subprocess.run(
+        [sys.executable, *words],
+        cwd=folder,
+        env={**kept, **environment},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+
+
 def free_endpoint() -> str:
     """Return a loopback endpoint on which no process listens."""
     return f"tcp/127.0.0.1:{free_port()}"

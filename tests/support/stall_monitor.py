@@ -33,7 +33,6 @@ class Witness:
         self._child = subprocess.Popen(
             [sys.executable, "-S", str(Path(__file__).resolve())], stdout=subprocess.PIPE, text=True
         )
-        self.pid = self._child.pid
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
@@ -42,11 +41,6 @@ class Witness:
         for line in self._child.stdout:
             woke_s, late_s = map(float, line.split())
             self._stalls.append((woke_s, late_s))
-
-    @property
-    def began(self) -> bool:
-        """Whether the process has begun to measure."""
-        return bool(self._stalls)
 
     def paused_s(self, since_s: float) -> float:
         """Return the sum of all delays above STALL_S since a time of the monotonic clock (s)."""

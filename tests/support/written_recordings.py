@@ -35,8 +35,7 @@ def write_lesson(
                 Numbers(of_robot(place, what), time_ns, time_ns, tuple(np.degrees(row).tolist()))
                 for time_ns, row in zip(times(rows), angles.astype(np.float64), strict=True)
             ])  # fmt: skip
-    for row in more:
-        stream.send([row])
+    stream.send(more)
     if about is not None:
         stream.describe(about)
     assert stream.flush(30.0)

@@ -3,23 +3,10 @@
 from __future__ import annotations
 
 import pytest
-from access_callers import (
-    ANA,
-    ANA_AGAIN,
-    BEN,
-    BOSS,
-    NO_SESSION,
-    OLD,
-    begin_motion,
-    finish_motion,
-    refusal,
-    stop,
-)
-from golden import same
+from access_callers import ANA, ANA_AGAIN, BEN, BOSS, NO_SESSION, OLD, begin_motion, refusal, stop
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
-from beatrix_zenoh.contract.refusals import LINGER_S
 from beatrix_zenoh.node.access import Access, Operation
 from beatrix_zenoh.node.callers import LOOP_S, NO_CALLER, QUIET_OLD_PROGRAM_S, QUIET_S, Caller
 
@@ -32,22 +19,13 @@ def access() -> Access:
 # -- STOP ----------------------------------------------------------------------------------------
 
 
-def test_no_motion_begins_before_stop_was_sent_and_the_arms_rest(access: Access) -> None:
+@pytest.mark.parametrize("action", [Operation.MOVE, Operation.FOLLOW])
+def test_no_motion_begins_before_stop_was_sent_and_the_arms_rest(access: Access, action: Operation) -> None:
     begin_motion(access, ANA, 0).stop_pressed(BEN, 1)
-    assert refusal(access, BOSS, 1, resting=True) is Reason.STOPPED
+    assert refusal(access, BOSS, 1, action, resting=True) is Reason.STOPPED
     access.stop_sent(1.1)
-    assert refusal(access, BOSS, 1.2, resting=False) is Reason.STOPPED
-    assert refusal(access, BOSS, 1.3, resting=True) is Reason.OK
-
-
-def test_take_is_refused_if_stop_was_pressed_since_authorize(access: Access) -> None:
-    access.authorize(Operation.MOVE, ANA, 0)
-    access.stop_pressed(BEN, 0)
-    access.stop_sent(0)
-    with pytest.raises(Refused) as refused:
-        access.take(ANA)
-    assert refused.value.reason is Reason.STOPPED
-    same("access pauses.take is refused if stop was pressed since authorize", refused.value.message)
+    assert refusal(access, BOSS, 1.2, action, resting=False) is Reason.STOPPED
+    assert refusal(access, BOSS, 1.3, action, resting=True) is Reason.OK
 
 
 def test_a_motion_that_ends_after_stop_names_the_seat_until_the_next_motion(access: Access) -> None:
@@ -69,13 +47,6 @@ def test_each_request_restarts_the_pause_of_a_stopped_seat(access: Access) -> No
         assert refusal(access, ANA, now_s) is Reason.STOPPED
     assert refusal(access, ANA, 4.5 + QUIET_S - 0.01) is Reason.STOPPED
     assert refusal(access, ANA, 4.5 + 2 * QUIET_S) is Reason.OK
-
-
-def test_a_program_that_moves_once_a_second_stays_stopped(access: Access) -> None:
-    finish_motion(access, ANA, 0)
-    stop(access, BEN, LINGER_S + 0.5)
-    for second in range(10):
-        assert refusal(access, ANA, LINGER_S + 1 + second) is Reason.STOPPED
 
 
 def test_a_request_that_is_refused_for_another_reason_restarts_the_pause(access: Access) -> None:
@@ -132,15 +103,6 @@ def test_a_seat_whose_session_ended_just_before_stop_must_pause(access: Access) 
     assert refusal(access, ANA_AGAIN, 10.3) is Reason.STOPPED
 
 
-def test_the_seat_of_a_motion_that_overtook_stop_must_pause(access: Access) -> None:
-    access.authorize(Operation.MOVE, ANA, 0)
-    access.take(ANA)
-    access.stop_pressed(BEN, 0)
-    access.stop_sent(0.1)
-    access.rested(0.2)
-    assert refusal(access, ANA, 0.3) is Reason.STOPPED
-
-
 def test_an_old_program_must_pause_until_it_is_quiet_or_opens_the_port_again(access: Access) -> None:
     stop(begin_motion(access, OLD, 0), BEN, 1)
     for now_s in (2, 5, 9):
@@ -178,18 +140,12 @@ def test_the_first_motion_of_a_new_program_may_arrive_before_its_token(access: A
     assert refusal(stop(access, BEN, 1.3), ANA_AGAIN, 1.4) is Reason.STOPPED
 
 
-def test_a_second_program_that_already_ran_must_pause(access: Access) -> None:
+def test_a_second_program_that_already_ran_must_pause_although_its_token_is_new(access: Access) -> None:
+    """The router may be restarted, and a program may declare its token late."""
     access.session_changed(ANA_AGAIN, 0, alive=True)
     stop(begin_motion(access, ANA, 0), BEN, 1)
-    assert refusal(access, ANA_AGAIN, 1.1) is Reason.STOPPED
-
-
-def test_a_token_that_comes_late_or_returns_does_not_make_a_program_new(access: Access) -> None:
-    """The router may be restarted, and a program may declare its token late."""
-    begin_motion(access, ANA, 0)
-    access.session_changed(ANA_AGAIN, 0, alive=True)
-    stop(access, BEN, 1)
     for program in (ANA, ANA_AGAIN):
+        assert refusal(access, program, 1.05) is Reason.STOPPED
         access.session_changed(program, 1.1, alive=False)
         access.session_changed(program, 1.2, alive=True)
         assert refusal(access, program, 1.3) is Reason.STOPPED
@@ -207,19 +163,10 @@ def test_a_second_stop_by_another_seat_ends_a_loop_of_programs(access: Access) -
     assert refusal(access, Caller("ana", "p9"), 10 + QUIET_S) is Reason.OK
 
 
-@pytest.mark.parametrize("presser", [ANA, BEN], ids=["own stop", "stop of another seat after some time"])
-def test_programs_that_a_person_stops_and_starts_again_need_not_pause(
-    access: Access, presser: Caller
-) -> None:
-    pause_s = 1 if presser is ANA else LOOP_S
+def test_programs_that_another_seat_stops_now_and_then_need_not_pause(access: Access) -> None:
     for number in range(5):
-        program = Caller("ana", f"p{number}")
-        begin_motion(access, program, number * 2 * pause_s)
-        stop(
-            access,
-            presser._replace(session=program.session if presser is ANA else "b1"),
-            (number * 2 + 1) * pause_s,
-        )
+        begin_motion(access, Caller("ana", f"p{number}"), 2 * number * LOOP_S)
+        stop(access, BEN, (2 * number + 1) * LOOP_S)
 
 
 # -- a STOP of the own seat ----------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""The loss of the router: all tokens disappear, and the sessions that return keep their leases and places."""
+"""The loss of the router: all tokens disappear; test_access_sequences.py has which leases and places remain."""
 
 from __future__ import annotations
 
@@ -24,14 +24,10 @@ def access() -> Access:
     take(access, ANA, 0)
     take(access, BEN, 0, wait=True)
     take(access, CLEO, 0, wait=True)
-    lose_router(access)
-    return access
-
-
-def lose_router(access: Access) -> None:
     for caller in (ANA, BEN, CLEO):
         access.session_changed(caller, LOST_S, alive=False)
     access.router_changed(LOST_S + NOTICED_S, connected=False)
+    return access
 
 
 def return_of(access: Access, *sessions: object) -> Access:
@@ -43,28 +39,10 @@ def return_of(access: Access, *sessions: object) -> Access:
     return access
 
 
-def test_sessions_that_return_keep_lease_and_places(access: Access) -> None:
-    return_of(access, ANA, BEN, CLEO)
-    assert not access.give_up_sessions(GIVEN_UP_S)
-    assert standing(access, GIVEN_UP_S)[:3] == BEFORE
-    assert refusal(access, ANA, GIVEN_UP_S, lease=1) is Reason.OK
-
-
 def test_while_the_router_is_lost_no_session_ends(access: Access) -> None:
     assert not access.give_up_sessions(1000)
     assert standing(access, 1000)[:3] == BEFORE
     assert refusal(access, ANA, 1000) is Reason.CLIENT_LOST, "a late request of before the loss"
-
-
-def test_a_session_that_does_not_return_keeps_its_lease_for_return_s(access: Access) -> None:
-    return_of(access, CLEO)
-    just_before_s = GIVEN_UP_S - 0.001
-    access.give_up_sessions(just_before_s)
-    assert standing(access, just_before_s)[:3] == BEFORE
-    assert refusal(access, CLEO, just_before_s) is Reason.NOT_HOLDER
-    access.give_up_sessions(GIVEN_UP_S)
-    assert standing(access, GIVEN_UP_S)[:3] == ("cleo", 2, ())
-    assert refusal(access, ANA, GIVEN_UP_S) is Reason.CLIENT_LOST
 
 
 def test_a_request_before_the_token_is_accepted_and_its_motion_ends_with_the_session(access: Access) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from access_callers import ANA, ANA_AGAIN, BEN, BEN_AGAIN, BOSS, NO_SESSION, OLD
+from access_callers import ANA, ANA_AGAIN, BEN, BEN_AGAIN, BOSS, NO_SESSION, OLD, refusal
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
@@ -34,7 +34,6 @@ class Sequences(RuleBasedStateMachine):
         self.motors_on = False
         self.moving: Caller | None = None
         self.latched = False
-        self.last_move_asked: dict[str, float] = {}
         self.stopped_streams: dict[Caller, float] = {}
         """Callers whose motion was ended by another session's STOP, and the time of their last request for a motion."""
         self.new_programs: set[Caller] = set()
@@ -44,9 +43,6 @@ class Sequences(RuleBasedStateMachine):
     @rule(seconds=st.sampled_from([0.01, 0.4, 1.0, 2.0, 3.1, 5.1]))
     def time_passes(self, seconds: float) -> None:
         self.now_s += seconds
-        self._give_up()
-
-    def _give_up(self) -> None:
         if self.access.give_up_sessions(self.now_s):
             self._lose_client()
 
@@ -54,25 +50,29 @@ class Sequences(RuleBasedStateMachine):
         self.access.release(self.now_s)
         self.moving = None
 
+    def _begin_motion(self, caller: Caller) -> Refused | None:
+        """Begin a motion of the caller; return the refusal, if there is one."""
+        try:
+            self.access.authorize(Operation.MOVE, caller, self.now_s, resting=self.moving is None)
+            self.access.take(caller)
+        except Refused as refused:
+            return refused
+        self.moving = caller
+        return None
+
     @rule(caller=CALLERS)
     def move(self, caller: Caller) -> None:
         quiet_s = QUIET_OLD_PROGRAM_S if caller is OLD else QUIET_S
         requested_s = self.stopped_streams.get(caller)
         paused = requested_s is not None and self.now_s - requested_s < quiet_s
-        allowed = True
-        try:
-            self.access.authorize(Operation.MOVE, caller, self.now_s, resting=self.moving is None)
-            self.access.take(caller)
-        except Refused:
-            allowed = False
-        if allowed:
+        before = self.moving
+        if self._begin_motion(caller) is None:
             assert not paused, "a stopped stream continues"
             assert not self.latched, "a motion under the latch"
             assert caller.seat not in self.access.teacher.muted, "a muted seat moves"
-            if self.moving is not None and self.moving.seat != caller.seat:
-                assert TEACHER in (caller.seat, self.moving.seat), "two seats hold the robot"
+            if before is not None and before.seat != caller.seat:
+                assert TEACHER in (caller.seat, before.seat), "two seats hold the robot"
             assert caller.seat == TEACHER or not self.access.teacher.frozen, "a frozen robot moves"
-            self.moving = caller
             self.stopped_streams.pop(caller, None)
         elif requested_s is not None:
             self.stopped_streams[caller] = self.now_s if paused else requested_s
@@ -85,22 +85,13 @@ class Sequences(RuleBasedStateMachine):
         if token_first:
             self.access.session_changed(caller, self.now_s, alive=True)
         self.new_programs.add(caller)
-        try:
-            self.access.authorize(Operation.MOVE, caller, self.now_s, resting=self.moving is None)
-            self.access.take(caller)
-        except Refused as refused:
-            paused = refused.detail is not None and refused.reason is Reason.STOPPED
-            assert not paused or seat in self.stopped_twice, "a program that starts again is refused"
-            return
-        self.moving = caller
+        refused = self._begin_motion(caller)
+        if refused is not None and refused.detail is not None and refused.reason is Reason.STOPPED:
+            assert seat in self.stopped_twice, "a program that starts again is refused"
 
     @rule(caller=CALLERS)
     def enable(self, caller: Caller) -> None:
-        try:
-            self.access.authorize(Operation.ENABLE, caller, self.now_s)
-        except Refused:
-            return
-        self.motors_on = True
+        self.motors_on |= refusal(self.access, caller, self.now_s, Operation.ENABLE) is Reason.OK
 
     @rule(caller=CALLERS, emergency=st.booleans())
     def stop(self, caller: Caller, emergency: bool) -> None:

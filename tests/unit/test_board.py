@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import pytest
-from lossy_board import Rig
 from robots import until
+from ticking_board import RealTimeTicker
 
 from beatrix_zenoh import NoAnswer, Refused
-from beatrix_zenoh.board.link import encode
+from beatrix_zenoh.board.board import Board
+from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.board.timing import LOADER_S
-from beatrix_zenoh.board.virtual import Firmware
+from beatrix_zenoh.board.virtual import Firmware, VirtualBoard
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import (
     BoardOutcome,
@@ -24,6 +26,84 @@ from beatrix_zenoh.contract._generated.serial import (
 )
 
 FOREIGN = HelloReply(0xBAD, (0, 9, 1), 1, b"old".ljust(32, b"\0"))
+
+
+class LossyPort:
+    """A virtual board whose wire can lose, delay or forge frames to the host."""
+
+    name = "lossy:"
+    boot_s = 0.0
+
+    def __init__(self, board: VirtualBoard) -> None:
+        self.board = board
+        self.lose: list[int] = []
+        self.unplugged = self.mute = False
+        self.free = threading.Event()
+        self.free.set()
+        self.forged = b""
+        self.instead = b""
+        """Bytes that `read` returns instead of each lost frame."""
+        self._decoder = Decoder()
+
+    def write(self, data: bytes) -> bytes:
+        if self.unplugged:
+            raise OSError("unplugged")
+        self.board.write(data)
+        return b""  # replies are returned by `read`
+
+    def wake(self) -> None:
+        self.board.wake()
+
+    def read(self, timeout_s: float) -> bytes:
+        self.free.wait(10)
+        if self.unplugged:
+            raise OSError("unplugged")
+        out, self.forged = self.forged, b""
+        for frame in self._decoder.feed(self.board.read(timeout_s)):
+            if self.mute:
+                continue
+            if frame.type in self.lose:
+                self.lose.remove(frame.type)
+                out += self.instead
+            else:
+                out += encode(frame.type, frame.seq, frame.payload)
+        return out
+
+    def close(self) -> None:
+        """Keep the board running."""
+
+
+class Rig:
+    """A Board on a lossy wire."""
+
+    def __init__(self) -> None:
+        self.virtual = VirtualBoard(Firmware(boot=1, name="bea"))
+        self.ticker = RealTimeTicker(self.virtual)
+        self.port = LossyPort(self.virtual)
+        self.board = Board(lambda: self.port, lambda _: None, lambda: None)
+        self.board.start()
+        assert self.board.wait_for(lambda _: True, 2.0)
+
+    def rest(self) -> tuple[int, int, int]:
+        """Wait until no arm has stepped for 0.2 s; return the positions of the arms."""
+        seen: list[tuple[int, int, int]] = []
+
+        def at_rest() -> bool:
+            with self.virtual.lock:
+                seen.append(self.virtual.firmware.steps())
+            return len(seen) > 20 and seen[-1] == seen[-21]
+
+        until(at_rest, "at rest")
+        return seen[-1]
+
+    def lost(self) -> None:
+        """Wait until the board counts as lost."""
+        until(lambda: not self.board.connected, "lost")
+
+    def close(self) -> None:
+        self.board.close()
+        self.ticker.close()
+        self.virtual.close()
 
 
 @pytest.fixture
@@ -75,15 +155,12 @@ def connect_foreign(rig: Rig) -> None:
 
 def test_requests_to_firmware_of_another_contract_raise_contract_mismatch(rig: Rig) -> None:
     connect_foreign(rig)
-    requests: list[Callable[[], None]] = [
-        lambda: rig.board.enable(on=True),
-        lambda: rig.board.send_text(b"@ENMOTORS ON"),
-    ]
     expected = r"00000bad.*another version.*built for another robot.*`beatrix flash`"
-    for request in requests:
-        with pytest.raises(NoAnswer, match=expected) as refusal:
-            request()
-        assert refusal.value.reason is Reason.CONTRACT_MISMATCH
+    with pytest.raises(NoAnswer, match=expected) as refusal:
+        rig.board.enable(on=True)
+    assert refusal.value.reason is Reason.CONTRACT_MISMATCH
+    with pytest.raises(NoAnswer, match=expected):
+        rig.board.send_text(b"@ENMOTORS ON")
 
 
 def test_firmware_of_another_contract_can_be_stopped(rig: Rig) -> None:

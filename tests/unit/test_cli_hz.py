@@ -5,7 +5,6 @@ from __future__ import annotations
 import time
 from typing import NamedTuple
 
-import msgspec
 import pytest
 
 from beatrix_zenoh.cli.streams import Rate, event_line, rate, show_rates
@@ -66,12 +65,10 @@ def test_two_publications_are_too_few_for_statistics() -> None:
 # -- the line that `beatrix echo` prints for an event ----------------------------------------------
 
 
-NOON_NS = round(time.mktime((2026, 11, 22, 12, 0, 0, 0, 0, -1)) * 1e9)
-EVENT = Event(
-    seq=7, t_mono_ns=0, t_wall_ns=NOON_NS + 45_678_901, kind=EventKind.MOTION, seat="ana", message="Text."
-)
-
-
 def test_an_event_is_one_line_with_time_robot_seat_and_outcome() -> None:
-    event = msgspec.structs.replace(EVENT, action="pose", phase=Phase.ACCEPTED)
+    noon_ns = round(time.mktime((2026, 11, 22, 12, 0, 0, 0, 0, -1)) * 1e9)
+    event = Event(
+        seq=7, t_mono_ns=0, t_wall_ns=noon_ns + 45_678_901, kind=EventKind.MOTION, action="pose", seat="ana",
+        phase=Phase.ACCEPTED, message="Text.",
+    )  # fmt: skip
     assert event_line(("bea", "hw"), event) == "12:00:00.045  bea (hw)  ana motion pose accepted: Text."

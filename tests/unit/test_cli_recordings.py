@@ -27,10 +27,10 @@ def turning(t: Floats) -> Floats:
     return np.array([np.array(motion.at(max(0.0, k - 1))[0]) - motion.at(max(0.0, k - 3))[0] for k in t])
 
 
-def write(path: Path, robots: dict[Place, float], seconds: float = 6.0) -> None:
+def write(path: Path, robots: dict[Place, float]) -> None:
     """Write a recording of robots with these lags (s); the hardware's middle arm is off by OFF_DEG."""
     rows: list[RecordingRow] = []
-    t = np.arange(0.0, seconds, 0.02)
+    t = np.arange(0.0, 6.0, 0.02)
     for place, lag_s in robots.items():
         commanded = turning(t - lag_s)
         arms = np.add(commanded, (0.0, OFF_DEG if place[1] == "hw" else 0.0, 0.0))
@@ -70,7 +70,7 @@ def test_the_error_for_a_missing_robot_lists_the_robots_of_the_recording(
     with pytest.raises(Refused, match=r"positions of ada \(sim\), bob \(sim\): choose one robot with --name"):
         recorded_path(read_recording(lesson), lesson, "cleo")
     several = tmp_path / "several.rrd"
-    write(several, {(name, side): 0.0 for name in ("ada", "bob") for side in ("sim", "hw")}, 0.1)
+    write_lesson(several, [(name, side) for name in ("ada", "bob") for side in ("sim", "hw")], 5)
     with pytest.raises(Refused, match="choose one robot with --name"):
         recorded(several, None)
 
@@ -87,12 +87,11 @@ def test_the_only_robot_of_a_recording_is_replayed_under_any_name(tmp_path: Path
 def test_a_note_about_an_incomplete_recording_contains_the_repair_command(
     lesson: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    complete = lesson.read_bytes()
-    lesson = tmp_path / "lesson.rrd"
-    lesson.write_bytes(complete)
     recorded(lesson, "ada")
     assert capsys.readouterr().err == ""
 
+    complete = lesson.read_bytes()
+    lesson = tmp_path / "lesson.rrd"
     lesson.write_bytes(complete[: len(complete) * 6 // 10])
     with pytest.raises(Refused, match=rf"is damaged .* only in part. `beatrix record --repair {lesson}`"):
         recorded(lesson, "ada")

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import json
-import os
 import signal
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
-from robots import untraced
+from robots import Process, python
 
 import beatrix_zenoh
 from beatrix_zenoh import BeatrixError, Robot
@@ -20,43 +17,28 @@ from beatrix_zenoh import BeatrixError, Robot
     ("words", "library"),
     [("beatrix_zenoh.cli ls", "typer"), ("hw_node", "serial")],
 )
-def test_ctrl_c_during_an_import_prints_no_traceback(words: str, library: str, tmp_path: Path) -> None:
+def test_ctrl_c_during_an_import_prints_no_traceback(
+    words: str, library: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / f"{library}.py").write_text('import sys\nprint("here", flush=True)\nsys.stdin.read()\n')
-    with subprocess.Popen(
-        [sys.executable, "-m", *words.split()],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join((str(tmp_path), os.environ.get("PYTHONPATH", "")))},
-    ) as process:
-        assert process.stdout is not None
-        assert process.stdout.readline() == "here\n"
-        process.send_signal(signal.SIGINT)
-        assert process.communicate(timeout=20) == ("", "")
-    assert process.returncode == 130
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+    process = Process("-m", *words.split(), listens=True)
+    process.expect("here")
+    assert process.end(signal.SIGINT) == 130
+    assert process.lines == ["here"]
 
 
 def test_ctrl_c_that_a_library_turns_into_an_import_error_is_ctrl_c(tmp_path: Path) -> None:
     (tmp_path / "typer.py").write_text(
         "try:\n    raise KeyboardInterrupt\nexcept KeyboardInterrupt as error:\n    raise ImportError('core') from error\n"
     )
-    path = os.pathsep.join((str(tmp_path), os.environ.get("PYTHONPATH", "")))
-    done = subprocess.run(
-        [sys.executable, "-m", "beatrix_zenoh.cli", "ls"],
-        capture_output=True,
-        text=True,
-        timeout=30,
-        check=False,
-        env={**os.environ, "PYTHONPATH": path},
-    )
+    done = python(tmp_path, "-m", "beatrix_zenoh.cli", "ls", PYTHONPATH=str(tmp_path))
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
 
 
-def test_importing_the_package_imports_none_of_its_modules() -> None:
+def test_importing_the_package_imports_none_of_its_modules(tmp_path: Path) -> None:
     code = "import sys, beatrix_zenoh; print([name for name in sys.modules if name.startswith('beatrix_zenoh.')])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout == "[]\n"
+    assert python(tmp_path, "-c", code).stdout == "[]\n"
 
 
 def test_the_package_provides_the_names_that_dir_lists() -> None:
@@ -66,17 +48,14 @@ def test_the_package_provides_the_names_that_dir_lists() -> None:
     assert not hasattr(beatrix_zenoh, "Rowboat")
 
 
-def test_help_imports_neither_verbs_nor_slow_packages() -> None:
+def test_help_imports_neither_verbs_nor_slow_packages(tmp_path: Path) -> None:
     code = (
         "import sys\nfrom beatrix_zenoh.cli import app, verbs\nassert app.run(['--help']) == 0\n"
         "slow = {'numpy', 'rerun', 'matplotlib', 'mujoco', 'rich', 'zenoh', 'email'}\n"
         "slow |= {f'beatrix_zenoh.{name}' for name in verbs.VERBS.values()}\n"
         "print('slow:', [name for name in slow if name in sys.modules])"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, timeout=30, check=True
-    )
-    assert done.stdout.splitlines()[-1] == "slow: []"
+    assert python(tmp_path, "-c", code).stdout.splitlines()[-1] == "slow: []"
 
 
 # -- an error of BEATRIX that ends a program shows the program's own lines and the sentence --------
@@ -91,15 +70,7 @@ OURS = "robot_base.py"
 def errors_of(folder: Path, text: str, **environment: str) -> list[str]:
     """Run a program and return the lines that it writes to stderr."""
     (folder / "prog.py").write_text(HEAD + text, encoding="utf-8")
-    done = subprocess.run(
-        [sys.executable, "prog.py"],
-        cwd=folder,
-        env={**untraced(), **environment},
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
+    done = python(folder, "prog.py", **environment)
     return [line for line in done.stderr.splitlines() if "^^^" not in line]
 
 

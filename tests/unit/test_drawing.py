@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
@@ -12,7 +10,7 @@ from beatrix_zenoh.body.scene import Screen, draw
 from beatrix_zenoh.body.surface import Mesh, Modeller
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of
-from beatrix_zenoh.recording.film import SMOOTHING, VIEW, Array, Pixels, painted
+from beatrix_zenoh.recording.film import SMOOTHING, VIEW, Pixels, painted
 
 SIZE = 640, 480
 ROBOT, SCREEN = Figure(), Screen(VIEW, *SIZE)
@@ -29,13 +27,9 @@ def marked(place: tuple[float, float, float]) -> tuple[Mesh, ...]:
 
 def picture(shapes: tuple[Mesh, ...], *head: float) -> Pixels:
     """Return the picture of a robot whose head is turned to yaw, pitch and roll (deg)."""
-    turns = ROBOT.orientations(tuple(np.radians(arms(*head))), rotation_of(*np.radians(head)))
+    angles = np.radians(head)
+    turns = ROBOT.orientations(Neck().inverse(*angles), rotation_of(*angles))
     return painted(draw(shapes, turns, SCREEN), SCREEN)
-
-
-def arms(*head: float) -> Array:
-    """Return the angles of the arms (deg) that turn the head to yaw, pitch and roll (deg)."""
-    return np.degrees(Neck().inverse(*(math.radians(angle) for angle in head)))
 
 
 def where(picture: Pixels, colour: tuple[int, int, int]) -> tuple[float, float]:

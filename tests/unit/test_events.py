@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import datetime as dt
-from collections.abc import Callable
 
 import msgspec
 import pytest
@@ -31,24 +30,9 @@ from beatrix_zenoh.settings import Settings
 ANA = Caller("ana", "s1")
 
 
-class Clock:
-    """Monotonic time of a test (s)."""
-
-    def __init__(self) -> None:
-        self.now_s = 0.0
-
-    def __call__(self) -> float:
-        return self.now_s
-
-
 @pytest.fixture
-def clock() -> Clock:
-    return Clock()
-
-
-@pytest.fixture
-def log(clock: Clock) -> NodeEvents:
-    return NodeEvents(clock)
+def log() -> NodeEvents:
+    return NodeEvents(lambda: 0.0)
 
 
 def add(log: NodeEvents, message: str, seat: Caller = ANA) -> None:
@@ -87,27 +71,18 @@ def test_a_new_holder_and_a_lost_board_are_events(log: NodeEvents) -> None:
     ]
 
 
-def diagnostics(now_s: Callable[[], float] = lambda: 0.0) -> tuple[Diagnostics, NodeEvents]:
-    events = NodeEvents()
-    return Diagnostics(events, now_s), events
-
-
-def test_every_warning_is_an_event() -> None:
-    made, events = diagnostics()
-    made.warn("one")
-    (event,) = events.take()
-    assert (event.kind, event.message) == (EventKind.WARNING, "one")
-
-
-def test_a_restart_is_one_event_and_a_warning_until_the_board_is_calibrated() -> None:
+def test_a_restart_is_one_event_and_a_warning_until_the_board_is_calibrated(log: NodeEvents) -> None:
     now_s = 0.0
-    made, events = diagnostics(lambda: now_s)
+    made = Diagnostics(log, lambda: now_s)
     made.follow_boot(1, calibrated=True)
     assert made.warnings() == []
     made.follow_boot(2, calibrated=False)
     made.follow_boot(2, calibrated=False)
-    assert [(event.kind, event.message) for event in events.take()] == [(EventKind.BOARD, RESTARTED)]
     made.warn("something else")
+    assert [(event.kind, event.message) for event in log.take()] == [
+        (EventKind.BOARD, RESTARTED),
+        (EventKind.WARNING, "something else"),
+    ]
     assert made.warnings() == [RESTARTED, "something else"]
     now_s = SHOWN_S + 1
     assert made.warnings() == [RESTARTED]
@@ -117,13 +92,14 @@ def test_a_restart_is_one_event_and_a_warning_until_the_board_is_calibrated() ->
     assert made.warnings() == []
 
 
-def test_every_event_of_a_long_flood_is_counted_once(log: NodeEvents, clock: Clock) -> None:
-    counted = 0
+def test_every_event_of_a_long_flood_is_counted_once() -> None:
+    now_s, counted = 0.0, 0
+    log = NodeEvents(lambda: now_s)
     for _ in range(5000):
         add(log, "x")
-        clock.now_s += 0.002
+        now_s += 0.002
         counted += sum(event.count for event in log.take())
-    clock.now_s += WINDOW_S
+    now_s += WINDOW_S
     counted += sum(event.count for event in log.take())
     assert counted == 5000
 
@@ -131,28 +107,24 @@ def test_every_event_of_a_long_flood_is_counted_once(log: NodeEvents, clock: Clo
 # -- the number of STOPs of each seat since the node started ---------------------------------------
 
 
-def test_stops_are_counted_from_the_start_however_many_events_follow() -> None:
+def test_stops_are_counted_from_the_start_however_many_events_follow(log: NodeEvents) -> None:
     """A seat removed its STOPs from the counts of `top` with 200 refused requests."""
-    events = NodeEvents(lambda: 0.0)
     for number in range(3 * BURST):
-        events.add(EventKind.STOP, action="STOP", caller=("cem", f"{number % 2}"))
-    events.add(EventKind.STOP, action="STOP", caller=("cem", ""), reason=Reason.BOARD_LOST)
-    events.add(EventKind.STOP, action="STOP", caller=("ana", ""), reason=Reason.MUTED)
+        log.add(EventKind.STOP, action="STOP", caller=("cem", f"{number % 2}"))
+    log.add(EventKind.STOP, action="STOP", caller=("cem", ""), reason=Reason.BOARD_LOST)
+    log.add(EventKind.STOP, action="STOP", caller=("ana", ""), reason=Reason.MUTED)
     for number in range(2 * KEPT):
-        events.add(EventKind.MOTION, caller=("cem", f"{number}"), reason=Reason.NOT_HOLDER)
-    assert not any(event.kind is EventKind.STOP for event in events.latest().events)
-    assert events.stops() == [SeatCount(seat="cem", count=3 * BURST + 1)], (
-        "not the one that the robot refused"
-    )
+        log.add(EventKind.MOTION, caller=("cem", f"{number}"), reason=Reason.NOT_HOLDER)
+    assert not any(event.kind is EventKind.STOP for event in log.latest().events)
+    assert log.stops() == [SeatCount(seat="cem", count=3 * BURST + 1)], "not the one that the robot refused"
 
 
-def test_no_more_seats_than_the_limit_are_counted() -> None:
-    events = NodeEvents()
+def test_no_more_seats_than_the_limit_are_counted(log: NodeEvents) -> None:
     for number in range(STOP_SEATS + 5):
-        events.add(EventKind.STOP, caller=(f"seat{number}", ""))
-    events.add(EventKind.STOP, caller=("seat0", ""))
-    assert len(events.stops()) == STOP_SEATS
-    assert events.stops()[0] == SeatCount(seat="seat0", count=2)
+        log.add(EventKind.STOP, caller=(f"seat{number}", ""))
+    log.add(EventKind.STOP, caller=("seat0", ""))
+    assert len(log.stops()) == STOP_SEATS
+    assert log.stops()[0] == SeatCount(seat="seat0", count=2)
 
 
 def test_the_teacher_sees_the_name_of_the_pupil_who_pressed_stop() -> None:

@@ -11,26 +11,24 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from written_recordings import BEGAN_NS, STEP_NS
 
 from beatrix_zenoh.recording import rows
 from beatrix_zenoh.recording.export import Table, at, table
 from beatrix_zenoh.recording.samples import Floats, Note, Recorded, Samples
 
-BEGAN_NS = 1_763_000_000_000_000_000
-STEP_NS = 20_000_000
 SIM, HW = ("bea", "sim"), ("bea", "hw")
 ANGLES = st.floats(-180, 180, allow_nan=False)
 TIMES = st.lists(st.integers(0, 2_000_000_000), min_size=1, max_size=40, unique=True).map(sorted)
 
 
-def samples(times_ns: list[int], arms: Floats | None = None, **changes: object) -> Samples:
+def samples(times_ns: list[int], arms: Floats | None = None) -> Samples:
     """Return samples at these times after BEGAN_NS."""
     n = len(times_ns)
     angles = np.zeros((n, 3)) if arms is None else arms
     times = BEGAN_NS + np.array(times_ns, np.int64)
     unknown, velocity, none = np.full((n, 3), np.nan), np.full((n, 3), 4.0), np.zeros(n, np.int64)
-    made = Samples(times, times - 7, angles, angles + 1, angles + 2, unknown, velocity, np.arange(n), none)
-    return replace(made, **changes)  # type: ignore[arg-type]
+    return Samples(times, times - 7, angles, angles + 1, angles + 2, unknown, velocity, np.arange(n), none)
 
 
 def grid(found: Table) -> dict[str, Floats]:

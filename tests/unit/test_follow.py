@@ -6,6 +6,7 @@ import math
 import re
 import time
 from typing import cast
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -196,30 +197,11 @@ def test_a_path_written_by_hand_is_followed_or_refused_with_its_line(yaw: float,
 # -- sending ------------------------------------------------------------------------------------
 
 
-class FakeRobot(Robot):
-    """A robot without a network, with this computer's clock and no publications."""
-
-    latest = None
-
-    def __init__(self) -> None:
-        self.name, self.side = "bea", "sim"
-
-    def positions_stream(self, _timeout_s: float | None = None) -> FakeRobot:  # type: ignore[override]
-        return self
-
-
-class NoStop:
-    """Stand-in for StopEvents that reports no STOP."""
-
-    def check(self) -> None:
-        pass
-
-
 def test_a_suspended_program_sends_no_late_target(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("beatrix_zenoh.paths.replay.offset_of", lambda _robot: Offset(0.0, 0.0))
-    monkeypatch.setattr("beatrix_zenoh.paths.replay.StopEvents", lambda _robot: NoStop())
+    monkeypatch.setattr("beatrix_zenoh.paths.replay.StopEvents", Mock())
     following = follow(path("0,0,0,0\n1,10,0,0\n"), ROBOT)
-    stream = TargetStream(FakeRobot(), following, 0.0, None)
+    stream = TargetStream(Mock(Robot, side="sim"), following, 0.0, None)
     stream.start(time.monotonic() - LATE_S - 0.1)
     with pytest.raises(Interrupted, match="was suspended") as error:
         stream.advance()

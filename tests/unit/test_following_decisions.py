@@ -24,6 +24,7 @@ from sim_node.following.follower import (
     Parting,
     Places,
     SetPoint,
+    Step,
 )
 
 LIMITS = MotionLimits(ROBOT)
@@ -35,21 +36,17 @@ def deg(*angles: float) -> Arms:
     return x, y, z
 
 
-def sample(
-    at_s: float, *place: float, velocity: float = 0.0, delay_s: float = 0.0, position: float | None = None
-) -> HardwareSample:
-    """Return positions (deg, deg/s) of the hardware that are true at `at_s`; its clock is 1000 s ahead."""
-    arms = deg(*place) if len(place) == 3 else deg(*(place or (0.0,)) * 3)
-    there = arms if position is None else deg(position, position, position)
+def sample(at_s: float, place: float) -> HardwareSample:
+    """Return positions of the hardware, all arms at one angle (deg), at `at_s`; its clock is 1000 s ahead."""
+    arms = deg(place, place, place)
     message = replace(
         AT_HOME,
         t_mono_ns=round((at_s + 1000) * 1e9),
-        position=vector(there),
-        velocity=vector(deg(velocity, velocity, velocity)),
+        position=vector(arms),
         commanded=vector(arms),
-        head=Head(sum(there) / 3, 0.0, 0.0),
+        head=Head(arms[0], 0.0, 0.0),
     )
-    return HardwareSample.of(message, at_s + delay_s)
+    return HardwareSample.of(message, at_s)
 
 
 def status(*, enabled: bool = True, calibrated: bool = True, connected: bool = True) -> Status:
@@ -57,13 +54,18 @@ def status(*, enabled: bool = True, calibrated: bool = True, connected: bool = T
     return replace(READY, enabled=enabled, calibrated=calibrated, board=board)
 
 
+def step(follower: Follower, at_s: float, hardware: float, own: float = 0.0) -> Step | None:
+    """Let the hardware publish its place (deg), and return the step of a simulation that is elsewhere."""
+    follower.hear(sample(at_s, hardware))
+    return follower.step(at_s, SetPoint(deg(own, own, own), REST), LIMITS)
+
+
 @pytest.fixture
 def follower() -> Follower:
     """A follower that has reached the hardware at home, at 10 s."""
     made = Follower(9.9)
     made.hear_status(status())
-    made.hear(sample(10.0))
-    assert made.step(10.0, SetPoint(REST, REST), LIMITS) is not None
+    assert step(made, 10.0, 0.0) is not None
     assert made.state(10.0) is FollowState.FOLLOWING
     return made
 
@@ -71,11 +73,10 @@ def follower() -> Follower:
 def test_it_waits_for_a_status_before_it_trusts_set_points() -> None:
     new = Follower(0.0)
     assert new.waits_for(0.1) == NO_STATUS
-    new.hear(sample(0.2, 40.0))
-    assert new.step(0.2, SetPoint(REST, REST), LIMITS) is None
+    assert step(new, 0.2, 40.0) is None
     assert new.state(0.2) is FollowState.WAITING
     new.hear_status(status())
-    assert new.step(0.2, SetPoint(REST, REST), LIMITS) is not None
+    assert step(new, 0.2, 40.0) is not None
 
 
 @pytest.mark.parametrize(
@@ -90,8 +91,7 @@ def test_it_holds_its_place_while_the_hardware_is_not_ready(
     follower: Follower, unready: Status, words: str
 ) -> None:
     follower.hear_status(unready)
-    follower.hear(sample(10.02, 30.0))
-    assert follower.step(10.02, SetPoint(REST, REST), LIMITS) is None
+    assert step(follower, 10.02, 30.0) is None
     assert follower.state(10.02) is FollowState.WAITING
     assert words in follower.warnings(10.02)[0]
 
@@ -102,46 +102,41 @@ def test_it_waits_when_the_hardware_is_silent_and_trusts_it_again_after_its_next
     later = 10.0 + SILENT_S + 0.1
     assert follower.warnings(later) == [NO_SET_POINTS]
     follower.hold()
-    follower.hear(sample(later, 20.0))
+    assert step(follower, later, 20.0) is None
     assert follower.waits_for(later) == NO_STATUS
     follower.hear_status(status())
-    step = follower.step(later, SetPoint(REST, REST), LIMITS)
-    assert step is not None
-    assert step.straight
+    again = step(follower, later, 20.0)
+    assert again is not None
+    assert again.straight
     assert follower.state(later) is FollowState.APPROACHING
 
 
 def test_a_jump_of_the_set_point_is_reached_on_a_checked_path_at_the_default_speed(
     follower: Follower,
 ) -> None:
-    follower.hear(sample(10.02, 40.0))
-    step = follower.step(10.02, SetPoint(REST, REST), LIMITS)
-    assert step is not None
-    assert step.straight
-    assert step.course.target == pytest.approx(deg(40, 40, 40))
-    assert step.course.speed == pytest.approx((LIMITS.default_speed,) * 3)
+    jump = step(follower, 10.02, 40.0)
+    assert jump is not None
+    assert jump.straight
+    assert jump.course.target == pytest.approx(deg(40, 40, 40))
+    assert jump.course.speed == pytest.approx((LIMITS.default_speed,) * 3)
     follower.accepted()
-    follower.hear(sample(10.12, 40.0))
-    assert follower.step(10.12, SetPoint(deg(1, 1, 1), REST), LIMITS) is None, "the path still leads there"
-    follower.hear(sample(10.5, 40.0))
-    near = follower.step(10.5, SetPoint(deg(38, 38, 38), REST), LIMITS)
+    assert step(follower, 10.12, 40.0, own=1.0) is None, "the path still leads there"
+    near = step(follower, 10.5, 40.0, own=38.0)
     assert near is not None
     assert not near.straight
     assert follower.state(10.5) is FollowState.FOLLOWING
 
 
 def test_a_refused_path_is_reported_and_planned_again_later(follower: Follower) -> None:
-    follower.hear(sample(10.02, 40.0))
-    assert follower.step(10.02, SetPoint(REST, REST), LIMITS) is not None
+    assert step(follower, 10.02, 40.0) is not None
     follower.refused(10.02, "The head would lean 40.0°.")
     assert follower.state(10.02) is FollowState.WAITING
     assert "40.0°" in follower.warnings(10.02)[0]
-    follower.hear(sample(10.2, 40.0))
-    assert follower.step(10.2, SetPoint(REST, REST), LIMITS) is None
+    assert step(follower, 10.2, 40.0) is None
     again = 10.02 + RETRY_S
-    for at_s in (10.5, 10.8, again):
+    for at_s in (10.5, 10.8):
         follower.hear(sample(at_s, 40.0))
-    assert follower.step(again, SetPoint(REST, REST), LIMITS) is not None
+    assert step(follower, again, 40.0) is not None
     follower.accepted()
     assert follower.state(again) is FollowState.APPROACHING
 

@@ -72,42 +72,24 @@ class FakeBoard:
         self.reached()
 
 
-class FakeQueue:
-    """The queue of the controller's thread; `run` is that thread."""
-
-    def __init__(self) -> None:
-        self._runs: list[Callable[[], None]] = []
-
-    def post_event(self, run: Callable[[], None]) -> None:
-        self._runs.append(run)
-
-    def post_latest(self, _key: str, run: Callable[[], None]) -> None:
-        self._runs.append(run)
-
-    def post_later(self, _due_s: float, _run: Callable[[], None]) -> None:
-        """Drop the periodic check: it would find the same as the step of the next sample."""
-
-    def run(self) -> None:
-        while self._runs:
-            self._runs.pop(0)()
-
-
 class Following:
     """A simulation that follows, without threads, network and firmware."""
 
     def __init__(self) -> None:
-        self.board, self.queue, self.access = FakeBoard(), FakeQueue(), Access()
+        self.board, self.access = FakeBoard(), Access()
         board, events, planner = cast("Any", self.board), NodeEvents(), Planner(ROBOT)
         self.controller = MotionController(board, planner, self.access, Diagnostics(events))
         here = SimpleNamespace(positions=lambda: positions(0.0, 0))
-        requests = Requests("bea", "sim", cast("Any", self.queue), events)
+        # The queue of the controller's thread runs at once, but no periodic check: that is as the next sample.
+        queue = SimpleNamespace(
+            post_event=lambda run: run(), post_latest=lambda _, run: run(), post_later=lambda *_: None
+        )
+        requests = Requests("bea", "sim", cast("Any", queue), events)
         self._handlers: dict[str, Callable[[Received], None]] = {}
         self._seq = 0
         self.handler = FollowHandler(requests, self.controller, cast("Any", here), at_start=True)
         self.handler.start(cast("Sessions", self))
-        self.queue.run()
         self.publish(keys.status("bea", "hw"), codec.encode(READY))
-        self.queue.run()
 
     def serve(self, *_: object) -> None:
         """Declare nothing: no client sends queries."""
@@ -123,21 +105,15 @@ class Following:
     def publish(self, key: str, payload: bytes) -> None:
         self._handlers[key](Received(key, payload, "", None))
 
-    def place(self, angle_deg: float, velocity_deg_s: float = 0.0) -> None:
+    def place(self, angle_deg: float) -> None:
         """Let the hardware publish that its set points are there."""
         self._seq += 1
-        message = positions(angle_deg, self._seq, velocity_deg_s)
-        self.publish(keys.positions("bea", "hw"), codec.encode(message))
-        self.queue.run()
+        self.publish(keys.positions("bea", "hw"), codec.encode(positions(angle_deg, self._seq)))
 
     def press_stop(self) -> None:
         """Do what the threads of Zenoh and of STOP do."""
         self.access.stop_pressed(ANA, time.monotonic())
         self.board.request(FrameType.STOP)
-
-    def stop_sent(self) -> None:
-        """Do what the handler of STOP then does on the controller's thread."""
-        self.controller.stop_sent()
 
     def status(self) -> StatusFields:
         fields = StatusFields()
@@ -145,19 +121,10 @@ class Following:
         return fields
 
 
-def positions(angle_deg: float, seq: int, velocity_deg_s: float = 0.0) -> Positions:
+def positions(angle_deg: float, seq: int) -> Positions:
     arms = vector((math.radians(angle_deg),) * 3)
-    velocity = vector((math.radians(velocity_deg_s),) * 3)
-    now_ns = time.monotonic_ns()
-    return replace(
-        AT_HOME,
-        seq=seq,
-        t_mono_ns=now_ns,
-        position=arms,
-        velocity=velocity,
-        commanded=arms,
-        head=Head(arms.x, 0.0, 0.0),
-    )
+    head, now_ns = Head(arms.x, 0.0, 0.0), time.monotonic_ns()
+    return replace(AT_HOME, seq=seq, t_mono_ns=now_ns, position=arms, commanded=arms, head=head)
 
 
 @pytest.fixture
@@ -195,11 +162,11 @@ def test_a_stop_at_any_point_of_a_step_ends_with_a_stop(*, settled_first: bool) 
             break
         points = point
         if settled_first:
-            following.stop_sent()
+            following.controller.stop_sent()
         following.place(80.0)
         following.place(60.0)
         if not settled_first:
-            following.stop_sent()
+            following.controller.stop_sent()
         assert following.board.frames[-1] == STOP, f"STOP at point {point}: {following.board.frames}"
         assert following.status().values["following"] is FollowState.OFF
     assert points > 5

@@ -68,24 +68,6 @@ def test_forward_undoes_inverse(neck: Neck, yaw: float, share: float, direction:
     assert neck.forward(neck.inverse(yaw, pitch, roll)) == pytest.approx((yaw, pitch, roll), abs=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("tilt", "gap", "off_mean"),
-    [(0, 120, 0), (20, 80.7, 21.2), (30, 55.2, 34.5), (35, 39.8, 42.6), (40, 21.8, 52.8)],
-)
-def test_gaps_and_deviations_of_the_arms_are_as_published(tilt: float, gap: float, off_mean: float) -> None:
-    ways = []
-    for direction in range(0, 360, 2):
-        # The head tilts without torsion if it turns about a horizontal axis.
-        azimuth, t = math.radians(direction), math.radians(tilt)
-        x, y, v = -math.sin(azimuth), math.cos(azimuth), 1 - math.cos(t)
-        ax, ay, az = math.cos(t) + x * x * v, x * y * v, -y * math.sin(t)
-        bz, cz = x * math.sin(t), math.cos(t)
-        ways.append(SHIPPED.inverse(math.atan2(ay, ax), math.asin(-az), math.atan2(bz, cz)))
-    assert math.degrees(min(min(SHIPPED.gaps(arms)) for arms in ways)) == pytest.approx(gap, abs=0.1)
-    off = max(max(abs(arm - sum(arms) / 3) for arm in arms) for arms in ways)
-    assert math.degrees(off) == pytest.approx(off_mean, abs=0.1)
-
-
 def failure(neck: Neck, arms: Arms) -> BeatrixError | None:
     """Return the error of the forward solution; None if there is none."""
     try:

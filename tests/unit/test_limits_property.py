@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import pytest
 from hypothesis import assume, given
@@ -16,7 +17,7 @@ from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.motion.limits.path_check import TOLERANCE
-from beatrix_zenoh.motion.rotation import tilt_of
+from beatrix_zenoh.motion.rotation import leaning, tilt_of
 from beatrix_zenoh.motion.trajectory import Trajectory
 from beatrix_zenoh.motion.trajectory import plan as time_law
 
@@ -31,8 +32,8 @@ REST: Arms = (0.0, 0.0, 0.0)
 SPEED: Arms = (1.0, 1.0, 1.0)
 
 
-def dense(way: Trajectory, count: int = 200) -> list[Arms]:
-    return [way.at(way.duration * i / count)[0] for i in range(count + 1)]
+def dense(way: Trajectory, count: int = 200) -> Iterator[Arms]:
+    return (way.at(way.duration * i / count)[0] for i in range(count + 1))
 
 
 directions = st.floats(-math.pi, math.pi)
@@ -40,14 +41,8 @@ directions = st.floats(-math.pi, math.pi)
 
 @st.composite
 def poses(draw: st.DrawFn, tilt_max: float = 35.0) -> Arms:
-    level = math.sin(math.radians(draw(st.floats(0, tilt_max))))
-    direction = draw(directions)
-    upright = math.sqrt(1 - level * level)
-    return NECK.inverse(
-        draw(st.floats(-math.pi, math.pi)),
-        math.asin(level * math.cos(direction)),
-        math.atan2(level * math.sin(direction), upright),
-    )
+    tilt = math.radians(draw(st.floats(0, tilt_max)))
+    return NECK.inverse(draw(directions), *leaning(tilt, draw(directions)))
 
 
 rates = st.tuples(*[st.floats(-1.5, 1.5)] * 3)
@@ -66,11 +61,7 @@ def test_accepted_paths_keep_the_limits_and_refused_paths_do_not(
     start: Arms, velocity: Arms, target: Arms, speed: Arms, straight: bool, limits: MotionLimits
 ) -> None:
     assume(min(NECK.gaps(start)) > limits.gap_min)
-    outcome = verdict(limits, start, velocity, target, speed, straight)
-    if isinstance(outcome, Refused):
-        assert exceeds(limits, outcome.reason, start, velocity, target, speed, straight)
-    else:
-        assert_keeps(limits, outcome)
+    check(limits, start, velocity, target, speed, straight)
 
 
 @given(
@@ -87,47 +78,23 @@ def test_paths_near_the_last_one_keep_the_limits_or_are_refused(
     assume(min(NECK.gaps(last)) > limits.gap_min and not limits._checker.exceeded(start))
     limits.check_motion(last, REST, last, SPEED, straight=False)
     target = (start[0] + way[0], start[1] + way[1], start[2] + way[2])
-    outcome = verdict(limits, start, velocity, target, SPEED, straight=False)
-    if isinstance(outcome, Refused):
-        assert exceeds(limits, outcome.reason, start, velocity, target, SPEED, straight=False)
-    else:
-        assert_keeps(limits, outcome)
+    check(limits, start, velocity, target, SPEED, straight=False)
 
 
-def verdict(
+def check(
     limits: MotionLimits, start: Arms, velocity: Arms, target: Arms, speed: Arms, straight: bool
-) -> Trajectory | Refused:
+) -> None:
+    """Assert on the densely sampled path that an accepted motion keeps all limits, and a refused one exceeds its limit."""
     try:
-        return limits.check_motion(start, velocity, target, speed, straight=straight)
+        ways = list(dense(limits.check_motion(start, velocity, target, speed, straight=straight)))
     except Refused as refusal:
-        return refusal
-
-
-def assert_keeps(limits: MotionLimits, way: Trajectory) -> None:
-    """Assert that the densely sampled path keeps the limits."""
-    ways = dense(way)
+        trajectory = time_law(start, velocity, target, speed, limits.acceleration, straight=straight)
+        assert any(breaks_at(limits, refusal.reason, arms) for arms in dense(trajectory, 2000))  # noqa: PT017
+        return
     heads = [NECK.forward(arms) for arms in ways]
-    tilt_max = max(tilt_of(pitch, roll) for _, pitch, roll in heads)
-    yaw_max = max(abs(yaw) for yaw, _, _ in heads)
-    gap_min = min(min(NECK.gaps(arms)) for arms in ways)
-    assert tilt_max <= limits.tilt_max + TOLERANCE
-    assert yaw_max <= limits.yaw_max + TOLERANCE
-    assert gap_min >= limits.gap_min - TOLERANCE
-
-
-def exceeds(
-    limits: MotionLimits,
-    reason: Reason,
-    start: Arms,
-    velocity: Arms,
-    target: Arms,
-    speed: Arms,
-    straight: bool,
-) -> bool:
-    """Return whether a densely sampled path exceeds the limit of this reason."""
-    trajectory = time_law(start, velocity, target, speed, limits.acceleration, straight=straight)
-    ways = (trajectory.at(trajectory.duration * i / 2000)[0] for i in range(2001))
-    return any(breaks_at(limits, reason, arms) for arms in ways)
+    assert max(tilt_of(pitch, roll) for _, pitch, roll in heads) <= limits.tilt_max + TOLERANCE
+    assert max(abs(yaw) for yaw, _, _ in heads) <= limits.yaw_max + TOLERANCE
+    assert min(min(NECK.gaps(arms)) for arms in ways) >= limits.gap_min - TOLERANCE
 
 
 def breaks_at(limits: MotionLimits, reason: Reason, arms: Arms) -> bool:
@@ -156,12 +123,7 @@ def test_the_bound_of_curvature_holds_everywhere_within_the_limits() -> None:
     for i in range(1200):
         reach = list(counts)[i % 4]
         share, direction, turn = math.sqrt((i * 0.618034) % 1), i * 2.399963, i * 0.754877
-        level = math.sin(share * math.radians(35))
-        arms = NECK.inverse(
-            0,
-            math.asin(level * math.cos(direction)),
-            math.atan2(level * math.sin(direction), math.sqrt(1 - level**2)),
-        )
+        arms = NECK.inverse(0, *leaning(share * math.radians(35), direction))
         c, s = reach * math.cos(turn), reach * math.sin(turn)
         step = (
             c / math.sqrt(2) + s / math.sqrt(6),
