@@ -77,11 +77,9 @@ FAST = Saved(speed=80.0, lead_s=0.0)
 
 @pytest.fixture(scope="module")
 def stage(bea: Stage) -> Iterator[Stage]:
-    """Both robots `bea`, and a robot `other`."""
-    bea.node("other")
+    """Both robots `bea`."""
     yield bea
     bea.close_clients()
-    bea.end_nodes()
 
 
 @pytest.fixture(scope="module")

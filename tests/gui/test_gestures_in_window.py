@@ -1,11 +1,11 @@
-"""Gestures and following a face in a window with both robots: what is pressed, and how the heads move."""
+"""Following a face in a window with both robots: what is pressed, and how the heads move."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import pytest
-from gui_windows import HOME, Windowed
+from gui_windows import Windowed
 
 from beatrix_zenoh import Robot
 
@@ -13,7 +13,6 @@ pytestmark = [
     pytest.mark.qt_log_ignore("This plugin does not support"),
     pytest.mark.no_cover,  # the tests of state, link and widget cover the same code
 ]
-NOD_DEG = 8.0
 SEEN_S = 60.0
 """Time limit (s) of the first pictures and of the start of a program on a busy computer."""
 
@@ -23,17 +22,6 @@ def home_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A home folder without programs of the user."""
     monkeypatch.setenv("HOME", str(tmp_path))
     return tmp_path
-
-
-def test_a_gesture_moves_both_heads_and_ends_at_home(user: Windowed, robots: dict[str, Robot]) -> None:
-    streams = {side: robot.stream() for side, robot in robots.items()}
-    user.press(user.window.panels.gestures.buttons["yes"])
-    user.until_last("gesture", "done")
-    for side, robot in robots.items():
-        pitches = [reading.head.pitch for reading in streams[side].take()]
-        assert max(pitches) > NOD_DEG, f"{side} nods"
-        user.until_at(robot, *HOME)
-        streams[side].close()
 
 
 @pytest.mark.long("follows with its eyes in real time")

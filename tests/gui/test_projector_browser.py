@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import http.server
+import shutil
 import threading
 from collections.abc import Iterator
-from pathlib import Path
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
 import msgspec
@@ -18,13 +19,12 @@ from gui.console.texts import LANGUAGES, Texts, load
 from gui.page.server import STATIC
 
 pytestmark = pytest.mark.long("a real browser")
-CONNECTION = b"""
+CONNECTION = """
 export function connect(receive) { window.receive = receive; }
 export function send() {}
 export function trouble() { return ""; }
 """
 """Takes the place of the web socket: the test gives the views to the page."""
-TYPES = {".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml"}
 MEASURED = """[...document.querySelectorAll("#turns li")].map((item) => ({
   box: item.getBoundingClientRect().toJSON(),
   parts: [...item.querySelectorAll(".robot, .side, .state, .left, .driver, .next")].filter((part) => part.textContent)
@@ -34,28 +34,19 @@ MEASURED = """[...document.querySelectorAll("#turns li")].map((item) => ({
 }))"""
 
 
-class Files(http.server.BaseHTTPRequestHandler):
-    """The files of the page."""
-
-    def do_GET(self) -> None:
-        path = STATIC / ("class.html" if self.path == "/class" else Path(self.path).name)
-        self.send_response(200)
-        self.send_header("Content-Type", TYPES[path.suffix])
-        self.end_headers()
-        self.wfile.write(CONNECTION if path.name == "connection.js" else path.read_bytes())
-
-    def log_message(self, *_: object) -> None:
-        """Print nothing."""
-
-
 @pytest.fixture(scope="module")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
-    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Files) as server:
+    """A browser that shows a copy of the page."""
+    folder = tmp_path_factory.mktemp("page")
+    files = shutil.copytree(STATIC, folder / "static")
+    (files / "connection.js").write_text(CONNECTION)
+    handler = partial(SimpleHTTPRequestHandler, directory=folder)
+    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         thread = threading.Thread(target=server.serve_forever)
         thread.start()
         try:
             with Browser(tmp_path_factory.mktemp("browser")) as browser:
-                browser.open(f"http://127.0.0.1:{server.server_port}/class")
+                browser.open(f"http://127.0.0.1:{server.server_port}/static/class.html")
                 yield browser
         finally:
             server.shutdown()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from gui_links import Linked, look, short
+from gui_links import Linked, is_home, look, short
 from robots import Stage
 
 from beatrix_zenoh.client.choreography import ArmPose
@@ -163,6 +163,15 @@ def test_poses_are_played_one_after_the_other(linked: Linked) -> None:
     assert linked.end_of(1, "sim").accepted
     world = linked.until(lambda world: not world.playing, "it has ended")
     assert short(world, "sim") == pytest.approx(-5, abs=0.1)
+
+
+@pytest.mark.long("plays in real time")
+def test_a_gesture_moves_both_heads_and_ends_at_home(linked: Linked) -> None:
+    linked.do(Play(1, BOTH, gesture="yes"))
+    for side in BOTH:
+        linked.until(lambda world, side=side: abs(short(world, side)) > 5, f"{side} nods")  # type: ignore[misc]
+    assert linked.end_of(1).accepted
+    assert all(is_home(linked.world.side(side)) for side in BOTH)
 
 
 @pytest.mark.long("plays in real time")
