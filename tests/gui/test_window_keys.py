@@ -135,7 +135,7 @@ def test_an_emergency_stop_needs_a_second_press_and_never_hinders_stop(
     pill.more.click()
     assert all(whole(button) for button in pill.menu.buttons if not button.isHidden())
     QTest.mouseClick(emergency, Qt.MouseButton.LeftButton)
-    assert intents() == []
+    assert (intents(), emergency.property("armed")) == ([], "yes")
     assert whole(emergency)
     assert whole(pill.menu.question)
     assert "fall" in pill.menu.question.text()
