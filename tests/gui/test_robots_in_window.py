@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from gui_windows import HOME, Windowed, near
+from gui_windows import HOME, Windowed, drag, near
 from present import present
 from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
@@ -112,7 +112,7 @@ def test_both_robots_move_while_a_button_is_held_until_release_or_stop(
 def test_the_user_drags_a_target_on_the_pad_and_sends_it(user: Windowed, sim: Robot, hw: Robot) -> None:
     pad, view = user.window.panels.head.pad, user.state.view(user.window._world).head
     goal = HeadOrientation(0.0, 12.0, -8.0)
-    user.drag(pad, *(pad.tilt_point(at, view.tilt_max).toPoint() for at in (view.target, goal)))
+    drag(pad, *(pad.tilt_point(at, view.tilt_max).toPoint() for at in (view.target, goal)))
     target = present(user.state.choices.target)
     assert (target.pitch, target.roll) == pytest.approx((12, -8), abs=0.7)
     assert near(sim.positions().arms, HOME), "nothing was sent yet"
@@ -126,12 +126,13 @@ def test_the_user_drags_a_target_on_the_pad_and_sends_it(user: Windowed, sim: Ro
 def test_the_dragged_head_is_sent_to_both_robots(user: Windowed, sim: Robot, hw: Robot) -> None:
     head = user.window.panels.head3d
     x, y, _ = on_screen(head.screen3d, user.state.view(user.window._world).head.target, SKULL)
-    user.drag(head, QPoint(round(x), round(y)), QPoint(round(x) - 40, round(y) - 15))
+    drag(head, QPoint(round(x), round(y)), QPoint(round(x) - 40, round(y) - 15))
     target = present(user.state.choices.target)
     assert target.yaw > 10  # from behind, left is left
     assert target.pitch < -3  # nose up
     user.window.panels.head.pad.setFocus()
-    user.key(Qt.Key.Key_Return)
+    QTest.keyClick(user.window.panels.head.pad, Qt.Key.Key_Return)
+    user.until_shown()
     user.until_last("look", "done")
     for robot in (sim, hw):
         assert robot.positions().head == pytest.approx((target.yaw, target.pitch, target.roll), abs=0.5)
