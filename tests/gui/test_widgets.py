@@ -12,13 +12,7 @@ from present import present
 from PyQt5.QtCore import QPoint, QPointF, QRect, Qt
 from PyQt5.QtGui import QGuiApplication
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import (
-    QAbstractButton,
-    QAbstractSpinBox,
-    QApplication,
-    QSlider,
-    QWidget,
-)
+from PyQt5.QtWidgets import QAbstractButton, QAbstractSpinBox, QApplication, QSlider, QWidget
 from pytestqt.qtbot import QtBot
 from recording_link import ShownState
 

@@ -18,16 +18,7 @@ from recording_link import RecordingLink
 
 from gui.console.state.actions import BeginRecording, LookForPorts, Send, SendStop
 from gui.console.state.connecting import CloseConnect
-from gui.console.state.intents import (
-    AimHead,
-    EmergencyStop,
-    Intent,
-    Jog,
-    SavePose,
-    SendHead,
-    Stop,
-    Undo,
-)
+from gui.console.state.intents import AimHead, EmergencyStop, Intent, Jog, SavePose, SendHead, Stop, Undo
 from gui.console.state.world import PlanPhase
 from gui.window.window import Window
 

@@ -128,6 +128,18 @@ def plan(phase: PlanPhase, countdown_s: float = 0.0, path: MotionPath | None = N
     return world(plan=PlanProgress(phase, 1.2, 2.0, countdown_s, path))
 
 
+def tilt(**alternative: Any) -> messages.Detail:
+    """Return the detail of a refusal because of the lean; the keywords are those of its alternative."""
+    return messages.Detail(
+        limit=messages.Limit.TILT,
+        value=math.radians(40),
+        high=math.radians(35),
+        unit="rad",
+        at_goal=True,
+        alternative=messages.Alternative(**alternative) if alternative else None,
+    )
+
+
 def refused(
     state: State,
     detail: messages.Detail | None,

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from functools import partial
 
 import pytest
-from gui_links import Linked, look
+from gui_links import Linked, look, short
 from late_tests import in_time
 from robots import Process, Stage, free_endpoint, start_router, until
 
@@ -27,9 +27,7 @@ def test_a_motion_of_one_robot_is_accepted_and_done(linked: Linked) -> None:
         assert not accepted.done
         end = linked.end_of(row, side)
         assert (end.accepted, end.reason) == (True, Reason.OK)
-        reading = linked.world.side(side).reading
-        assert reading is not None
-        assert reading.commanded.short == pytest.approx(10, abs=0.1)
+        assert short(linked.world, side) == pytest.approx(10, abs=0.1)
         until(partial(recorded, linked, side), "the event")
         in_time(abs(end.duration_s - accepted.duration_s), 0.3, "duration apart from the one announced")
 
