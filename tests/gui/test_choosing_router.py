@@ -12,9 +12,6 @@ from class_router import ClassRouter
 from gui_links import Linked, look, short
 from gui_worlds import absent, world
 from present import present
-from PyQt5.QtCore import Qt
-from PyQt5.QtTest import QTest
-from recording_link import RecordingLink
 from robots import Stage, free_endpoint
 
 from beatrix_zenoh import account as accounts
@@ -25,7 +22,6 @@ from gui.console.state.actions import (
     MakeReady,
     Outcome,
     Send,
-    SendStop,
     UseAccount,
     UseRouter,
 )
@@ -34,7 +30,6 @@ from gui.console.state.intents import Choose, SendHead, TogglePage, WindowPage
 from gui.console.state.state import State
 from gui.console.state.views import RouterView
 from gui.console.state.world import LinkPhase, OwnAccount, Trouble, World
-from gui.window.window import Window
 
 ANA = OwnAccount("ana", "8b", "2027-07-31", expired=False)
 ALONE = world(absent("sim"), absent("hw"))
@@ -190,20 +185,3 @@ def test_account_files_are_checked_before_they_are_stored(folder: Path) -> None:
             linked.until(
                 lambda world: world.account is not None, "the account of this computer is used again"
             )
-
-
-# -- the window -----------------------------------------------------------------------------------
-
-
-def test_a_user_types_an_address(window: Window, link: RecordingLink) -> None:
-    window.handle(LookForPorts())
-    address = window.panels.connect_sheet.router.address
-    address.setFocus()
-    address.selectAll()
-    QTest.keyClicks(address, "lab")
-    QTest.keyClick(address, Qt.Key.Key_Space)
-    QTest.keyClick(address, Qt.Key.Key_Return)
-    stop, use = link.done[-2:]
-    assert isinstance(stop, SendStop), "Space is STOP in this field, too"
-    assert use == UseRouter("tcp/lab:7447")
-    assert address.text() == "lab", "it can be corrected"

@@ -16,7 +16,7 @@ from PyQt5.QtWidgets import QApplication, QWidget
 from pytestqt.qtbot import QtBot
 from recording_link import RecordingLink
 
-from gui.console.state.actions import BeginRecording, LookForPorts, Send, SendStop
+from gui.console.state.actions import BeginRecording, LookForPorts, Send, SendStop, UseRouter
 from gui.console.state.connecting import CloseConnect
 from gui.console.state.intents import AimHead, EmergencyStop, Intent, Jog, SavePose, SendHead, Stop, Undo
 from gui.console.state.world import PlanPhase
@@ -183,6 +183,20 @@ def test_ctrl_z_undoes_ctrl_r_records_and_enter_sends(
     press(Qt.Key.Key_Return)
     assert intents() == [SendHead()]
     assert isinstance(link.done[-1], Send)
+
+
+def test_an_address_is_typed_and_space_is_stop_meanwhile(window: Window, link: RecordingLink) -> None:
+    window.handle(LookForPorts())
+    address = window.panels.connect_sheet.router.address
+    address.setFocus()
+    address.selectAll()
+    QTest.keyClicks(address, "lab")
+    QTest.keyClick(address, Qt.Key.Key_Space)
+    QTest.keyClick(address, Qt.Key.Key_Return)
+    stop, use = link.done[-2:]
+    assert isinstance(stop, SendStop)
+    assert use == UseRouter("tcp/lab:7447")
+    assert address.text() == "lab", "it can be corrected"
 
 
 def test_tab_reaches_every_control_and_returns_to_the_first(qtbot: QtBot, window: Window) -> None:

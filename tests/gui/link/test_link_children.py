@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from gui_links import Linked, look
 from present import present
-from robots import Stage, free_endpoint
+from robots import free_endpoint
 
 from beatrix_zenoh.client import Presence
 from beatrix_zenoh.processes import Child
@@ -23,20 +22,10 @@ READY_S = 60.0
 """Time limit (s) of a child process on a busy machine."""
 
 
-@pytest.fixture(scope="module")
-def stage() -> Iterator[Stage]:
-    with Stage() as made:
-        made.simulation("bea", "--ready")
-        yield made
-
-
-@pytest.fixture
-def linked(stage: Stage, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Linked]:
-    """A link in a working directory of its own."""
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Work in a folder of this test."""
     monkeypatch.chdir(tmp_path)
-    with Linked(stage.endpoint) as made:
-        made.online("sim")
-        yield made
 
 
 def kill(child: Child) -> None:
@@ -118,7 +107,7 @@ def test_a_recording_can_be_read(linked: Linked, tmp_path: Path) -> None:
     last = ended(linked)
     assert last.trouble is None
     assert last.seconds >= first.seconds
-    assert list(read_recording(first.file).robots) == [("bea", "sim")]
+    assert sorted(read_recording(first.file).robots) == [("bea", "hw"), ("bea", "sim")]
 
 
 def test_the_loss_of_the_recorder_is_reported(linked: Linked) -> None:

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from gui_links import Linked, at_home, look, rests, short
+from gui_links import Linked, look, rests, short
 from present import present
 from robots import END_S, Stage
 
@@ -31,18 +30,11 @@ with Robot() as robot:
 FAILED = "result.program_failed"
 
 
-@pytest.fixture
+@pytest.fixture(autouse=True)
 def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The file of the user's own program, in a home folder of this test; it does not exist yet."""
     monkeypatch.setenv("HOME", str(tmp_path))
     return tmp_path / "beatrix-programs/follow_the_face.py"
-
-
-@pytest.fixture
-def linked(stage: Stage, own: Path) -> Iterator[Linked]:
-    with Linked(stage.endpoint) as made:
-        at_home(made)
-        yield made
 
 
 def write(own: Path, text: str) -> None:
