@@ -39,6 +39,12 @@ def positions(arms: tuple[float, float, float] = (0.0, 0.0, 0.0), yaw: float = 0
     return replace(AT_HOME, position=place, commanded=place, head=messages.Head(math.radians(yaw), 0.0, 0.0))
 
 
+def camera(eye: str = "left", **fields: Any) -> messages.CameraStatus:
+    """Return the status of a camera; by default of one that streams."""
+    known: dict[str, Any] = {"connected": True, "streaming": True, "source": "rays"} | fields
+    return messages.CameraStatus(eye=eye, hz=15.0, width=640, height=480, **known)
+
+
 def robot(
     side: str,
     *,
