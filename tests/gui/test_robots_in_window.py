@@ -1,6 +1,8 @@
-"""The window with real robots: angles, commands, STOP, held buttons, the pad and the head."""
+"""The window with real robots: angles, commands, STOP, held buttons, the pad, the head, a face that is followed."""
 
 from __future__ import annotations
+
+from pathlib import Path
 
 import pytest
 from gui_windows import HOME, Windowed, drag, near
@@ -136,3 +138,29 @@ def test_the_dragged_head_is_sent_to_both_robots(user: Windowed, sim: Robot, hw:
     user.until_last("look", "done")
     for robot in (sim, hw):
         assert robot.positions().head == pytest.approx((target.yaw, target.pitch, target.roll), abs=0.5)
+
+
+# -- following a face -----------------------------------------------------------------------------
+
+SEEN_S = 60.0
+"""Time limit (s) of the first pictures and of the start of a program on a busy computer."""
+
+
+@pytest.mark.long("follows with its eyes in real time")
+def test_the_simulated_head_follows_a_person_who_walks_until_the_second_press(
+    user: Windowed, sim: Robot, hw: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))  # a user without programs
+    panel = user.window.panels.gestures
+    user.send_to("sim")
+    for end in (panel.follow, user.window.panels.stop_bar):
+        sim.move_target(1.0, 0.5, 0.1)
+        user.press(panel.follow)
+        user.until(lambda: sim.positions().head.yaw > 20, "the head has turned to the left", SEEN_S)
+        assert panel.follow.property("running") == "yes"
+        sim.move_target(1.0, -0.5, 0.1)
+        user.until(lambda: sim.positions().head.yaw < -20, "the head has turned to the right", SEEN_S)
+        user.press(end)
+        user.until(lambda: panel.follow.property("running") != "yes", "the program has ended")
+        user.until(lambda: not sim.status().moving, "the head rests")
+    assert hw.positions().head == pytest.approx((0, 0, 0), abs=0.5), "the hardware was not checked"
