@@ -2,21 +2,75 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from gui_windows import HOME, Windowed, drag, near
+from gui_windows import HOME, Windowed, drag, near, windowed
 from present import present
 from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QLabel
+from pytestqt.qtbot import QtBot
+from robots import Stage, ready, until
 
-from beatrix_zenoh import Robot
+from beatrix_zenoh import Refused, Robot
 from beatrix_zenoh.contract.names import ARMS
 from gui.console.state.intents import HeadOrientation
+from gui.console.state.saved import Saved
 from gui.window.widgets.head3d_drag import SKULL, on_screen
 
 pytestmark = pytest.mark.no_cover  # the tests of window, link and bridge cover the same code
+
+
+FAST = Saved(speed=80.0, lead_s=0.0)
+
+
+@pytest.fixture(scope="module")
+def calibrated(stage: Stage) -> None:
+    """Calibrate both robots where they are: the file before may have left them away from home."""
+    for robot in (stage.robot("bea", side) for side in ("sim", "hw")):
+        robot.stop()
+        robot.disable()
+        ready(robot)
+
+
+@pytest.fixture
+def robots(stage: Stage, calibrated: None) -> Iterator[dict[str, Robot]]:
+    """Both robots, through new sessions of the window's seat, which need not pause after an earlier STOP of the seat."""
+    yield {side: stage.robot("bea", side) for side in ("sim", "hw")}
+    stage.close_clients()
+
+
+@pytest.fixture
+def sim(robots: dict[str, Robot]) -> Robot:
+    return robots["sim"]
+
+
+@pytest.fixture
+def hw(robots: dict[str, Robot]) -> Robot:
+    return robots["hw"]
+
+
+@pytest.fixture
+def user(stage: Stage, robots: dict[str, Robot], qtbot: QtBot) -> Iterator[Windowed]:
+    """A window connected to two robots that are ready and at home; both are checked, without lead, at 80 deg/s."""
+    for robot in robots.values():
+        until(lambda robot=robot: goes_home(robot), "a pause has ended, and the arms are at home")  # type: ignore[misc]
+    with windowed(stage.endpoint, saved=FAST) as made:
+        made.until_ready("sim", "hw")
+        made.send_to("sim", "hw")
+        yield made
+
+
+def goes_home(robot: Robot) -> bool:
+    """Move a robot home; return False if it refuses or is stopped, as after a STOP of another seat."""
+    try:
+        robot.make_ready()
+        robot.move(*HOME, speed=80)
+    except Refused:
+        return False
+    return True
 
 
 # -- arms -----------------------------------------------------------------------------------------
