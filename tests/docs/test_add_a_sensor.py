@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import subprocess
@@ -12,18 +11,23 @@ from pathlib import Path
 from shutil import copytree, ignore_patterns
 
 import pytest
-from robots import ROOT, Stage, until
+from robots import ROOT, Stage
 
 PAGE = ROOT / "docs/how-to/add-a-sensor.md"
 FILE = re.compile(r"^--- \S+\n\+\+\+ b/(\S+)\n", re.MULTILINE)
 HUNK = re.compile(r"@@ .* @@ ?(.*)")
-DETAILS = """
+SHOWN = """
 import sys
 from beatrix_zenoh import Robot
+from beatrix_zenoh.cli import app
 from gui.console.state.pills import details
 from gui.console.texts import Texts
-with Robot("bea", "hw", connect=sys.argv[1]) as robot:
+with Robot("bea", "hw", connect=sys.argv[-1]) as robot:
+    while not robot.status().pressed:
+        pass
     print(details(robot.status(), Texts("en")))
+for verb in (["status"], ["status", "--json"], ["echo", "touch", "--count", "1"]):
+    app.run([*verb, *sys.argv[1:]])
 """
 
 pytestmark = pytest.mark.no_cover  # a copy of the packages
@@ -82,24 +86,18 @@ def test_a_switch_in_four_files_is_shown_by_all_programs(stage: Stage, tmp_path:
     switch = tmp_path / "value"
     switch.write_text("1\n")
     where = ("--name", "bea", "--connect", stage.endpoint)
-    beatrix = ("-m", "beatrix_zenoh.cli")
-    words = [sys.executable, *beatrix, "hw", "--port", "virtual:", "--touch", str(switch), *where]
+    hardware = ("-m", "beatrix_zenoh.cli", "hw", "--port", "virtual:", "--touch", str(switch))
     environment = {**os.environ, "PYTHONPATH": str(folder)}
-    with subprocess.Popen(words, cwd=folder, env=environment, stdout=subprocess.PIPE, text=True) as node:
+    with subprocess.Popen(
+        [sys.executable, *hardware, *where], cwd=folder, env=environment, stdout=subprocess.PIPE, text=True
+    ) as node:
         try:
             assert node.stdout is not None
             assert "ready" in node.stdout.readline()
-
-            def pressed() -> bool:
-                (row,) = json.loads(run(folder, *beatrix, "status", "--json", *where))["robots"]
-                return bool(row["pressed"])
-
-            until(pressed, "the switch is read")
-            text = run(folder, *beatrix, "status", *where)
-            assert re.search(r"^touch +pressed +yes$", text, re.MULTILINE)
-            line = run(folder, *beatrix, "echo", "touch", "--count", "1", *where)
-            assert line.startswith("bea (hw)  seq ")
-            assert line.endswith(", pressed yes\n")
-            assert "touch: pressed\n" in run(folder, "-c", DETAILS, stage.endpoint)
+            shown = run(folder, "-c", SHOWN, *where)
+            assert "touch: pressed\n" in shown
+            assert re.search(r"^touch +pressed +yes$", shown, re.MULTILINE)
+            assert re.search(r'"pressed": ?true', shown)
+            assert re.search(r"^bea \(hw\)  seq .*, pressed yes$", shown, re.MULTILINE)
         finally:
             node.terminate()

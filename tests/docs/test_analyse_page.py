@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 import shlex
+import shutil
 from pathlib import Path
 
 import pytest
@@ -22,27 +23,33 @@ TEXT = PAGE.read_text(encoding="utf-8")
 PLACES = ("bea1", "sim"), ("bea1", "hw")
 
 
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the recordings of the page."""
-    monkeypatch.chdir(tmp_path)
+    made = tmp_path_factory.mktemp("page")
     file = io.BytesIO()
     Image.new("RGB", (64, 48)).save(file, "JPEG")
     pictures = [Frame("bea1/sim/camera/left", at_ns, at_ns, file.getvalue()) for at_ns in times(2)]
-    write_lesson(tmp_path / "lesson.rrd", PLACES, rows=100, more=pictures)
+    write_lesson(made / "lesson.rrd", PLACES, rows=100, more=pictures)
     later = [
         Numbers(f"bea1/hw/{what}", time_ns, time_ns, (1.0, 2.0, 3.0))
         for what in ("arms", "commanded", "head")
         for time_ns in (BEGAN_NS + 300 * STEP_NS, BEGAN_NS + 301 * STEP_NS)
     ]
-    write_lesson(tmp_path / "day-001.rrd", PLACES)
-    write_lesson(tmp_path / "day-002.rrd", (), rows=0, more=later)
-    return tmp_path
+    write_lesson(made / "day-001.rrd", PLACES)
+    write_lesson(made / "day-002.rrd", (), rows=0, more=later)
+    return made
+
+
+@pytest.fixture(autouse=True)
+def here(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Work in a copy of the folder."""
+    monkeypatch.chdir(shutil.copytree(folder, tmp_path, dirs_exist_ok=True))
 
 
 @pytest.mark.long("draws films")
 def test_the_commands_of_the_page_write_its_files(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(film, "PANEL", (64, 48))  # the drawing of large films takes most of the time
     blocks = re.findall(r"```sh\n(.*?)```", TEXT, re.DOTALL)

@@ -9,24 +9,28 @@ from pathlib import Path
 import msgspec
 import pytest
 from class_router import ClassRouter
-from gui_links import Linked, at_home, look
+from gui_links import Linked, look, short
 from gui_worlds import absent, account, world
 from present import present
-from PyQt5.QtCore import Qt
-from PyQt5.QtTest import QTest
-from recording_link import RecordingLink
 from robots import Stage, free_endpoint
 
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.client import Presence
-from gui.console.state.actions import Action, LookForPorts, Outcome, Send, SendStop, UseAccount, UseRouter
+from gui.console.state.actions import (
+    Action,
+    LookForPorts,
+    MakeReady,
+    Outcome,
+    Send,
+    UseAccount,
+    UseRouter,
+)
 from gui.console.state.connecting import completed
 from gui.console.state.intents import Choose, SendHead, TogglePage, WindowPage
 from gui.console.state.state import State
 from gui.console.state.views import RouterView
 from gui.console.state.world import LinkPhase, Trouble, World
-from gui.window.window import Window
 
 ANA, OLD = account("ana"), dt.date(1969, 7, 20)
 ALONE = world(absent("sim"), absent("hw"))
@@ -125,38 +129,29 @@ def refused(linked: Linked, action: Action) -> Trouble:
     return present(linked.until(lambda world: not world.choosing, "the choice is checked").router_trouble)
 
 
-def test_another_router_is_used_and_its_only_robot_is_shown() -> None:
+def test_another_router_is_used_its_only_robot_is_shown_and_the_motion_of_the_window_ends() -> None:
     with Stage() as here, Stage() as there:
         here.node("bea")
-        there.simulation("anton")
+        there.node("anton")
         with Linked(here.endpoint) as linked:
             linked.online("hw")
             assert refused(linked, UseRouter("nonsense")).key == "connect.bad_address"
             assert refused(linked, UseRouter(free_endpoint())).key == "connect.unanswered"
             assert linked.world.phase is LinkPhase.ONLINE, "a wrong address costs no connection"
             assert linked.world.endpoint == here.endpoint
+            linked.do(MakeReady("hw", 1))
+            assert linked.end_of(1, "hw").accepted
+            linked.do(Send(2, look(120.0, 20.0), ("hw",)))
+            linked.accepted(2, "hw")
             linked.do(UseRouter(there.endpoint))
+            assert not linked.end_of(2, "hw").accepted
             linked.until(lambda world: world.robot == "anton", "the robot of the other router is shown")
-            linked.until(lambda world: world.sim.presence is Presence.ONLINE, "its positions arrive")
+            linked.online("hw")
             assert linked.world.endpoint == there.endpoint
-            assert linked.world.hw.presence is Presence.ABSENT
+            assert linked.world.sim.presence is Presence.ABSENT
             linked.do(UseRouter(here.endpoint))
             linked.until(lambda world: world.robot == "bea", "the first robot is shown again")
-            linked.online("hw")
-
-
-def test_the_motion_of_the_window_ends_with_its_session() -> None:
-    with Stage() as here, Stage() as there:
-        here.simulation("bea")
-        here.hardware("bea")
-        with Linked(here.endpoint) as linked:
-            at_home(linked)
-            linked.do(Send(1, look(120.0, 20.0), ("hw",)))
-            linked.accepted(1, "hw")
-            linked.do(UseRouter(there.endpoint))
-            assert not linked.end_of(1, "hw").accepted
-            robot = here.robot("bea", "hw")
-            assert robot.positions().arms.long < 110.0
+            assert short(linked.online("hw"), "hw") < 110.0
 
 
 def test_account_files_are_checked_before_they_are_stored(folder: Path) -> None:
@@ -191,20 +186,3 @@ def test_account_files_are_checked_before_they_are_stored(folder: Path) -> None:
             linked.until(
                 lambda world: world.account is not None, "the account of this computer is used again"
             )
-
-
-# -- the window -----------------------------------------------------------------------------------
-
-
-def test_a_user_types_an_address(window: Window, link: RecordingLink) -> None:
-    window.handle(LookForPorts())
-    address = window.panels.connect_sheet.router.address
-    address.setFocus()
-    address.selectAll()
-    QTest.keyClicks(address, "lab")
-    QTest.keyClick(address, Qt.Key.Key_Space)
-    QTest.keyClick(address, Qt.Key.Key_Return)
-    stop, use = link.done[-2:]
-    assert isinstance(stop, SendStop), "Space is STOP in this field, too"
-    assert use == UseRouter("tcp/lab:7447")
-    assert address.text() == "lab", "it can be corrected"

@@ -9,9 +9,10 @@ import pytest
 from gui_links import Linked
 from gui_windows import windowed
 from gui_worlds import absent, robot, world
+from present import present
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
-from robots import free_endpoint
+from robots import Stage, free_endpoint
 
 from beatrix_zenoh.client import Presence
 from gui.console.state.actions import ConnectHardware, LookForPorts
@@ -37,8 +38,7 @@ def opened(now: World = WITHOUT) -> State:
 
 def shown(state: State, now: World) -> tuple[str, list[str]]:
     """Return the text and the names of the ports."""
-    found = state.view(now).connect
-    assert found is not None
+    found = present(state.view(now).connect)
     return found.text, [button.text for button in found.ports]
 
 
@@ -53,11 +53,7 @@ def test_the_list_has_boards_first_and_always_the_virtual_robot() -> None:
     assert (text.partition(".")[0], ports) == ("No board was found", [virtual])
     text, ports = shown(state, replace(WITHOUT, ports=(BOARD, CABLE)))
     assert text == "Choose the board of your robot."
-    assert ports == [
-        "Robot at /dev/ttyACM0 (Arduino Mega)",
-        "Other port /dev/ttyUSB1 (FT232R)",
-        virtual,
-    ]
+    assert ports == ["Robot at /dev/ttyACM0 (Arduino Mega)", "Other port /dev/ttyUSB1 (FT232R)", virtual]
     state.handle(CloseConnect(), WITHOUT)
     assert state.view(WITHOUT).connect is None
 
@@ -67,8 +63,7 @@ def test_a_choice_starts_the_hardware_once_and_the_list_goes_when_its_board_answ
     assert state.handle(ConnectHardware(VIRTUAL), WITHOUT) == [ConnectHardware(VIRTUAL)]
     starting = replace(WITHOUT, connecting=True, ports=(BOARD,))
     assert state.handle(ConnectHardware(VIRTUAL), starting) == []
-    found = state.view(starting).connect
-    assert found is not None
+    found = present(state.view(starting).connect)
     assert not any(button.enabled for button in (*found.ports, found.again))
     assert found.close.enabled
     state.follow(starting)
@@ -91,8 +86,7 @@ def test_a_failure_is_shown_in_the_language_with_the_output_as_a_detail() -> Non
     failed = replace(WITHOUT, ports=(), child_trouble=Trouble("trouble.hardware", "1", "Its output: ..."))
     state = opened()
     state.handle(Choose("language", "de"), failed)
-    found = state.view(failed).connect
-    assert found is not None
+    found = present(state.view(failed).connect)
     assert found.text == "Das Programm der Hardware ist zu Ende (1). Wähle noch einmal einen Anschluss."
     assert found.details == "Its output: ..."
 
@@ -120,10 +114,9 @@ def test_a_virtual_robot_is_connected_with_two_presses(
 
 def test_a_failed_program_of_the_hardware_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("BEATRIX_MICROPHONES", "file:none.wav")  # the program refuses to start
-    with Linked(free_endpoint()) as linked:
+    with Stage() as stage, Linked(stage.endpoint) as linked:
         linked.do(ConnectHardware(VIRTUAL))
         world = linked.until(lambda world: not world.connecting, "it is refused", READY_S)
         assert not world.own_hardware
-        assert world.child_trouble is not None
-        assert world.child_trouble.key == "trouble.hardware"
-        assert "none.wav" in world.child_trouble.detail
+        trouble = present(world.child_trouble)
+        assert (trouble.key, "none.wav" in trouble.detail) == ("trouble.hardware", True)

@@ -25,14 +25,7 @@ from gui.console.state.intents import Choose, HeadOrientation, Intent, LiveHead,
 from gui.console.state.state import State
 from gui.window.widgets import head3d
 from gui.window.widgets.head3d import VIEWS, Head3d
-from gui.window.widgets.head3d_drag import (
-    EARS,
-    SKULL,
-    Drag,
-    Part,
-    grabbed,
-    on_screen,
-)
+from gui.window.widgets.head3d_drag import EARS, SKULL, Drag, Part, grabbed, on_screen
 from gui.window.window import Window
 
 Taken = Callable[[], list[Intent]]

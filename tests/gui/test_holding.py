@@ -1,4 +1,4 @@
-"""Held + and -: what is sent while a button is held, and the robots that move until its release."""
+"""Held + and -: what is sent while a button is held; `test_robots_in_window.py` holds one with real robots."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable
 
 import pytest
-from gui_windows import Windowed
 from gui_worlds import BOTH, state_after, world
 from PyQt5.QtCore import QEvent, Qt
 from PyQt5.QtTest import QTest
@@ -14,7 +13,6 @@ from PyQt5.QtWidgets import QApplication
 from pytestqt.qtbot import QtBot
 from recording_link import WatchedState
 
-from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import MotionQuery
 from gui.console.link.jogging import BRAKE_S
 from gui.console.state.actions import Hold, Outcome, Release
@@ -26,9 +24,6 @@ from gui.window.widgets.arms import HoldButton
 from gui.window.window import Window
 
 LEFT = Qt.MouseButton.LeftButton
-BRAKE_DEG = 10.0
-"""Largest angle between release and rest at 30 deg/s: 0.1 s of the way, 0.12 s to the last goal, and slow tests."""
-pytestmark = pytest.mark.no_cover
 
 
 def test_all_heartbeats_of_a_press_are_one_row() -> None:
@@ -103,34 +98,3 @@ def test_a_hold_ends_when_the_button_can_no_longer_be_released(
     assert state.intents[-1] == ReleaseArm()
     QTest.mouseRelease(button, LEFT)
     button.show()
-
-
-# -- with robots ------------------------------------------------------------------------------------
-
-
-def test_both_robots_move_while_a_button_is_held(user: Windowed, sim: Robot, hw: Robot) -> None:
-    robots, button = (sim, hw), user.window.panels.arms.rows["all"].plus
-    newest = max(own.row for own in user.state.view(user.window._world).history)
-    QTest.mousePress(button, LEFT)
-    user.until(lambda: all(robot.positions().arms.long > 20 for robot in robots), "both have moved on")
-    QTest.mouseRelease(button, LEFT)
-    here = [robot.positions().arms.long for robot in robots]
-    user.until(lambda: not any(robot.status().moving for robot in robots), "both rest")
-    for robot, angle in zip(robots, here, strict=True):
-        assert abs(robot.positions().arms.long - angle) < BRAKE_DEG
-    user.until_last("done")
-    newer = [own for own in user.state.view(user.window._world).history if own.row > newest]
-    assert len(newer) == 1, "a hold is one row"
-
-
-def test_stop_ends_a_hold_that_goes_on(user: Windowed, sim: Robot, hw: Robot) -> None:
-    panels, robots = user.window.panels, (sim, hw)
-    button = panels.arms.rows["all"].plus
-    QTest.mousePress(button, LEFT)
-    user.until(lambda: all(robot.status().moving for robot in robots), "both move")
-    QTest.mouseClick(panels.stop_bar, LEFT)
-    user.until(lambda: not any(robot.status().moving for robot in robots), "both rest")
-    here = [robot.positions().arms.long for robot in robots]
-    QTest.qWait(500)
-    assert [robot.positions().arms.long for robot in robots] == pytest.approx(here, abs=0.1)
-    QTest.mouseRelease(button, LEFT)

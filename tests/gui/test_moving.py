@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import queue
 import time
+from collections.abc import Iterator
 from unittest.mock import MagicMock
 
 import pytest
@@ -25,14 +26,22 @@ MOTIONS: list[Action] = [
 ]
 
 
+@pytest.fixture
+def jobs() -> Iterator[Jobs]:
+    made = Jobs("tested")
+    yield made
+    made.close()
+    made.join(time.monotonic() + WAIT_S)
+
+
 @pytest.mark.parametrize("action", MOTIONS, ids=["sent", "held"])
 def test_a_stop_that_a_motion_may_overtake_is_sent_again(
-    action: Send | Hold, monkeypatch: pytest.MonkeyPatch
+    jobs: Jobs, action: Send | Hold, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     stops: list[Place] = []
     for module in (request, jogging):
         monkeypatch.setattr(module, "publish_stop", lambda _client, place: stops.append(place))
-    outcomes, jobs = queue.SimpleQueue[Outcome](), Jobs("tested")
+    outcomes = queue.SimpleQueue[Outcome]()
     moving, robot = Moving(jobs, outcomes.put), MagicMock(side="hw", place=("bea", "hw"))
 
     def begin(_query: object) -> MagicMock:
@@ -40,33 +49,24 @@ def test_a_stop_that_a_motion_may_overtake_is_sent_again(
         return MagicMock(exception=MagicMock(return_value=stopped()))
 
     robot.begin = begin
-    twin = MagicMock(hw=robot)
-    try:
-        if isinstance(action, Hold):
-            moving.hold(action, twin)
-        else:
-            moving.request(action, twin, MagicMock())
-        until(lambda: stops == [("bea", "hw")], "STOP is sent again")
-    finally:
-        jobs.close()
-        jobs.join(time.monotonic() + WAIT_S)
+    if isinstance(action, Hold):
+        moving.hold(action, MagicMock(hw=robot))
+    else:
+        moving.request(action, MagicMock(hw=robot), MagicMock())
+    until(lambda: stops == [("bea", "hw")], "STOP is sent again")
 
 
-def test_a_newer_press_ends_an_older_one_without_a_stop() -> None:
-    outcomes, jobs = queue.SimpleQueue[Outcome](), Jobs("tested")
+def test_a_newer_press_ends_an_older_one_without_a_stop(jobs: Jobs) -> None:
+    outcomes = queue.SimpleQueue[Outcome]()
     moving, robot = Moving(jobs, outcomes.put), MagicMock(side="hw")
     robot.begin.return_value.exception.side_effect = TimeoutError  # it moves until the end of the test
     twin = MagicMock(hw=robot)
-    try:
-        moving.hold(Hold(1, "yaw", 1, 20.0, ("hw",)), twin)
-        assert outcomes.get(timeout=WAIT_S).accepted
-        moving.hold(Hold(2, "yaw", 1, 20.0, ("hw",)), twin)
-        assert (outcomes.get(timeout=WAIT_S).reason, moving.busy) == (Reason.REPLACED, True)
-        moving.hold(Hold(1, "yaw", 1, 20.0, ("hw",)), twin)  # a late heartbeat
-        assert outcomes.get(timeout=WAIT_S).row == 2
-        moving.drop(replaced())
-        assert outcomes.get(timeout=WAIT_S).row == 2
-        assert not moving.busy
-    finally:
-        jobs.close()
-        jobs.join(time.monotonic() + WAIT_S)
+    moving.hold(Hold(1, "yaw", 1, 20.0, ("hw",)), twin)
+    assert outcomes.get(timeout=WAIT_S).accepted
+    moving.hold(Hold(2, "yaw", 1, 20.0, ("hw",)), twin)
+    assert (outcomes.get(timeout=WAIT_S).reason, moving.busy) == (Reason.REPLACED, True)
+    moving.hold(Hold(1, "yaw", 1, 20.0, ("hw",)), twin)  # a late heartbeat
+    assert outcomes.get(timeout=WAIT_S).row == 2
+    moving.drop(replaced())
+    assert outcomes.get(timeout=WAIT_S).row == 2
+    assert not moving.busy

@@ -14,12 +14,10 @@ from present import present
 from PyQt5.QtCore import Qt
 from PyQt5.QtGui import QImage
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QApplication
 from pyqtgraph import PlotDataItem
 from pytestqt.qtbot import QtBot
 
 from beatrix_zenoh.client import RobotState
-from beatrix_zenoh.contract.names import ARMS
 from gui.console.state.actions import WriteFile
 from gui.console.state.state import State
 from gui.console.state.world import World
@@ -213,17 +211,6 @@ def test_any_number_of_the_robots_can_be_shown(filled: PlotsPanel, tmp_path: Pat
     assert "boot" not in slots[0].label.text(), "the first choice makes room for a fourth"
     (saved,) = exported(filled, tmp_path, "csv")
     assert "time_s,hw_short_deg,hw_middle_deg,hw_long_deg,hw_frozen,hw_head.pitch," in str(saved.content)
-
-
-def test_in_a_low_panel_the_plots_stand_in_two_columns(plots: PlotsPanel) -> None:
-    plots.append(world_at(1.0))
-    plots.show()
-    for height in (220, 500):
-        plots.resize(545, height)
-        QApplication.processEvents()
-        shown = [plots.plots[name] for name in (*ARMS, "difference")]
-        assert all(curves.area.height() > 50 for curves in shown)
-        assert len({curves.x() for curves in shown}) == (2 if height < 300 else 1)
 
 
 def test_the_memory_of_the_samples_is_bounded() -> None:

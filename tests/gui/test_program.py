@@ -9,6 +9,7 @@ import pytest
 from gui_worlds import BOTH, accept, state_after, world
 from hypothesis import given
 from hypothesis import strategies as st
+from present import present
 from PyQt5.QtCore import Qt
 from PyQt5.QtGui import QGuiApplication
 from PyQt5.QtTest import QTest
@@ -150,25 +151,21 @@ def test_a_line_and_its_row_are_selected_together(pane: Window) -> None:
     )
     assert history.list.currentRow() == 1, "the newest row is the first"
     history.list.setCurrentRow(2)
-    shown = code.list.currentItem()
-    assert shown is not None
-    assert shown.text().strip() == JOG
+    assert present(code.list.currentItem()).text().strip() == JOG
     pane.handle(Jog("short", -1))
     pane.refresh()
-    shown = code.list.currentItem()
-    assert shown is not None
-    assert shown.text().strip() == JOG, "the selected line stays selected while the program grows"
+    assert present(code.list.currentItem()).text().strip() == JOG, (
+        "the selected line stays selected while the program grows"
+    )
 
 
 def test_the_program_is_copied_and_saved(pane: Window, tmp_path: Path, state: State) -> None:
     code = pane.panels.code
     code.copy.click()
-    clipboard = QGuiApplication.clipboard()
-    assert clipboard is not None
-    assert clipboard.text() == state.view(world()).code.text
+    assert present(QGuiApplication.clipboard()).text() == state.view(world()).code.text
     code.save.click()
-    assert code.dialog is not None
-    assert code.dialog.acceptMode() == QFileDialog.AcceptMode.AcceptSave
-    code.dialog.fileSelected.emit(str(tmp_path / "mine.py"))
-    code.dialog.close()
+    dialog = present(code.dialog)
+    assert dialog.acceptMode() == QFileDialog.AcceptMode.AcceptSave
+    dialog.fileSelected.emit(str(tmp_path / "mine.py"))
+    dialog.close()
     assert "save mine.py" in state.view(world()).last

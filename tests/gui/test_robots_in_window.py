@@ -1,24 +1,76 @@
-"""The window with real robots: angles, commands, STOP, the pad, the lead, the next steps and the cameras."""
+"""The window with real robots: angles, commands, STOP, held buttons, the pad, the head, a face that is followed."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from pathlib import Path
+
 import pytest
-from gui_windows import HOME, Windowed, menu_button, near
+from gui_windows import HOME, Windowed, drag, near, windowed
 from present import present
 from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QLabel
+from pytestqt.qtbot import QtBot
+from robots import Stage, ready, until
 
-from beatrix_zenoh import Robot
-from beatrix_zenoh.contract._generated.messages import Fault
+from beatrix_zenoh import Refused, Robot
 from beatrix_zenoh.contract.names import ARMS
 from gui.console.state.intents import HeadOrientation
+from gui.console.state.saved import Saved
 from gui.window.widgets.head3d_drag import SKULL, on_screen
 
-pytestmark = [
-    pytest.mark.qt_log_ignore("This plugin does not support"),  # popups without a display
-    pytest.mark.no_cover,  # the tests of window, link and bridge cover the same code
-]
+pytestmark = pytest.mark.no_cover  # the tests of window, link and bridge cover the same code
+
+
+FAST = Saved(speed=80.0, lead_s=0.0)
+
+
+@pytest.fixture(scope="module")
+def calibrated(stage: Stage) -> None:
+    """Calibrate both robots where they are: the file before may have left them away from home."""
+    for robot in (stage.robot("bea", side) for side in ("sim", "hw")):
+        robot.stop()
+        robot.disable()
+        ready(robot)
+
+
+@pytest.fixture
+def robots(stage: Stage, calibrated: None) -> Iterator[dict[str, Robot]]:
+    """Both robots, through new sessions of the window's seat, which need not pause after an earlier STOP of the seat."""
+    yield {side: stage.robot("bea", side) for side in ("sim", "hw")}
+    stage.close_clients()
+
+
+@pytest.fixture
+def sim(robots: dict[str, Robot]) -> Robot:
+    return robots["sim"]
+
+
+@pytest.fixture
+def hw(robots: dict[str, Robot]) -> Robot:
+    return robots["hw"]
+
+
+@pytest.fixture
+def user(stage: Stage, robots: dict[str, Robot], qtbot: QtBot) -> Iterator[Windowed]:
+    """A window connected to two robots that are ready and at home; both are checked, without lead, at 80 deg/s."""
+    for robot in robots.values():
+        until(lambda robot=robot: goes_home(robot), "a pause has ended, and the arms are at home")  # type: ignore[misc]
+    with windowed(stage.endpoint, saved=FAST) as made:
+        made.until_ready("sim", "hw")
+        made.send_to("sim", "hw")
+        yield made
+
+
+def goes_home(robot: Robot) -> bool:
+    """Move a robot home; return False if it refuses or is stopped, as after a STOP of another seat."""
+    try:
+        robot.make_ready()
+        robot.move(*HOME, speed=80)
+    except Refused:
+        return False
+    return True
 
 
 # -- arms -----------------------------------------------------------------------------------------
@@ -77,24 +129,37 @@ def test_stop_stops_both_moving_robots(user: Windowed, sim: Robot, hw: Robot) ->
     QTest.mouseRelease(bar, Qt.MouseButton.LeftButton)
 
 
-def test_after_an_emergency_stop_the_next_steps_make_both_robots_ready(
+# -- held buttons ---------------------------------------------------------------------------------
+
+BRAKE_DEG = 10.0
+"""Largest angle between release and rest at 30 deg/s: 0.1 s of the way, 0.12 s to the last goal, and slow tests."""
+
+
+def test_both_robots_move_while_a_button_is_held_until_release_or_stop(
     user: Windowed, sim: Robot, hw: Robot
 ) -> None:
-    pills = user.window.panels.header.pills
-    move_far(user, sim, hw)
-    for _ in range(2):
-        assert sim.status().fault is hw.status().fault is Fault.NONE, "the button asks first"
-        user.press(menu_button(user.window, "sim", "EMERGENCY STOP"))
-    user.until_last("emergency stop done", "both")
-    assert sim.status().fault is hw.status().fault is Fault.EMERGENCY
-    assert all(robot.positions().arms.long < 55 for robot in (sim, hw))
-    user.press(menu_button(user.window, "sim", "Clear emergency stop"))
-    steps = [("sim", "Make ready"), ("hw", "Clear the stop"), ("hw", "Enable"), ("hw", "Calibrate")]
-    for side, text in steps:
-        user.until(lambda side=side, text=text: pills[side].next_step.text() == text, text)  # type: ignore[misc]
-        user.press(pills[side].next_step)
-    user.until_ready("sim", "hw")
-    assert all(robot.status().calibrated for robot in (sim, hw))
+    robots, button = (sim, hw), user.window.panels.arms.rows["all"].plus
+
+    def long() -> list[float]:
+        return [robot.positions().arms.long for robot in robots]
+
+    def rest() -> bool:
+        return not any(robot.status().moving for robot in robots)
+
+    QTest.mousePress(button, Qt.MouseButton.LeftButton)
+    user.until(lambda: min(long()) > 20, "both have moved on")
+    QTest.mouseRelease(button, Qt.MouseButton.LeftButton)
+    here = long()
+    user.until(rest, "both rest")
+    assert long() == pytest.approx(here, abs=BRAKE_DEG)
+    QTest.mousePress(button, Qt.MouseButton.LeftButton)
+    user.until(lambda: all(robot.status().moving for robot in robots), "both move again")
+    QTest.mouseClick(user.window.panels.stop_bar, Qt.MouseButton.LeftButton)
+    user.until(rest, "both rest")
+    here = long()
+    QTest.qWait(500)
+    assert long() == pytest.approx(here, abs=0.1), "the button is still held"
+    QTest.mouseRelease(button, Qt.MouseButton.LeftButton)
 
 
 # -- head -----------------------------------------------------------------------------------------
@@ -103,7 +168,7 @@ def test_after_an_emergency_stop_the_next_steps_make_both_robots_ready(
 def test_the_user_drags_a_target_on_the_pad_and_sends_it(user: Windowed, sim: Robot, hw: Robot) -> None:
     pad, view = user.window.panels.head.pad, user.state.view(user.window._world).head
     goal = HeadOrientation(0.0, 12.0, -8.0)
-    user.drag(pad, *(pad.tilt_point(at, view.tilt_max).toPoint() for at in (view.target, goal)))
+    drag(pad, *(pad.tilt_point(at, view.tilt_max).toPoint() for at in (view.target, goal)))
     target = present(user.state.choices.target)
     assert (target.pitch, target.roll) == pytest.approx((12, -8), abs=0.7)
     assert near(sim.positions().arms, HOME), "nothing was sent yet"
@@ -117,12 +182,39 @@ def test_the_user_drags_a_target_on_the_pad_and_sends_it(user: Windowed, sim: Ro
 def test_the_dragged_head_is_sent_to_both_robots(user: Windowed, sim: Robot, hw: Robot) -> None:
     head = user.window.panels.head3d
     x, y, _ = on_screen(head.screen3d, user.state.view(user.window._world).head.target, SKULL)
-    user.drag(head, QPoint(round(x), round(y)), QPoint(round(x) - 40, round(y) - 15))
+    drag(head, QPoint(round(x), round(y)), QPoint(round(x) - 40, round(y) - 15))
     target = present(user.state.choices.target)
     assert target.yaw > 10  # from behind, left is left
     assert target.pitch < -3  # nose up
     user.window.panels.head.pad.setFocus()
-    user.key(Qt.Key.Key_Return)
+    QTest.keyClick(user.window.panels.head.pad, Qt.Key.Key_Return)
+    user.until_shown()
     user.until_last("look", "done")
     for robot in (sim, hw):
         assert robot.positions().head == pytest.approx((target.yaw, target.pitch, target.roll), abs=0.5)
+
+
+# -- following a face -----------------------------------------------------------------------------
+
+SEEN_S = 60.0
+"""Time limit (s) of the first pictures and of the start of a program on a busy computer."""
+
+
+@pytest.mark.long("follows with its eyes in real time")
+def test_the_simulated_head_follows_a_person_who_walks_until_the_second_press(
+    user: Windowed, sim: Robot, hw: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))  # a user without programs
+    panel = user.window.panels.gestures
+    user.send_to("sim")
+    for end in (panel.follow, user.window.panels.stop_bar):
+        sim.move_target(1.0, 0.5, 0.1)
+        user.press(panel.follow)
+        user.until(lambda: sim.positions().head.yaw > 20, "the head has turned to the left", SEEN_S)
+        assert panel.follow.property("running") == "yes"
+        sim.move_target(1.0, -0.5, 0.1)
+        user.until(lambda: sim.positions().head.yaw < -20, "the head has turned to the right", SEEN_S)
+        user.press(end)
+        user.until(lambda: panel.follow.property("running") != "yes", "the program has ended")
+        user.until(lambda: not sim.status().moving, "the head rests")
+    assert hw.positions().head == pytest.approx((0, 0, 0), abs=0.5), "the hardware was not checked"

@@ -145,20 +145,6 @@ def test_every_change_is_undone_and_names_stay_unique(given_changes: list[intent
     assert not state.view(world()).sequence.undo.enabled
 
 
-@pytest.mark.parametrize(
-    ("change", "after"),
-    [
-        (intents.RenamePose("nod", "up"), ["up-2", "left", "up"]),
-        (intents.DuplicatePose("nod"), ["nod", "nod-2", "left", "up"]),
-        (intents.MovePose("up", 0), ["up", "nod", "left"]),
-    ],
-)
-def test_changes_of_one_pose(change: intents.Intent, after: list[str]) -> None:
-    state = editing(*THREE)
-    state.handle(change, world())
-    assert names(state.saved.poses) == after
-
-
 def test_add_takes_the_target_of_the_pad_or_the_present_pose() -> None:
     now = world(robot("sim", arms=(10.0, -5.0, 2.5)))
     state = state_after(intents.AddPose(), now=now)

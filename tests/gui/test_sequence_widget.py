@@ -116,8 +116,8 @@ def test_the_keyboard_selects_moves_uses_and_deletes(
     assert strip.cards[strip.currentRow()].name == "left", "the restored one"
 
 
-def test_a_duration_that_is_too_short_is_said_at_the_pose(
-    window: Window, strip: Strip, intents: Taken
+def test_a_duration_is_typed_where_it_is_too_short_and_a_play_does_not_disturb(
+    window: Window, strip: Strip, link: RecordingLink, intents: Taken
 ) -> None:
     panel = window.panels.sequence
     card = strip.cards[2]
@@ -125,26 +125,16 @@ def test_a_duration_that_is_too_short_is_said_at_the_pose(
     strip.setCurrentRow(2)
     panel.duration.setFocus()
     panel.duration.selectAll()
-    QTest.keyClicks(panel.duration, "2.5")
-    QTest.keyClick(panel.duration, Qt.Key.Key_Return)
-    assert intents() == [SetDuration("far", 2.5)]
-    window.refresh()
-    assert (strip.cards[2].duration, strip.cards[2].problem) == ("2.5 s", "")
-    assert "5.5 s" in panel.play.toolTip()
-
-
-def test_a_play_does_not_disturb_what_the_user_does(
-    window: Window, strip: Strip, link: RecordingLink, intents: Taken
-) -> None:
-    panel = window.panels.sequence
-    panel.duration.setFocus()
-    panel.duration.selectAll()
     QTest.keyClicks(panel.duration, "2.")
     link.known = replace(link.known, playing="poses", playing_pose=1)
     window.refresh()
     QTest.keyClicks(panel.duration, "5")
     QTest.keyClick(panel.duration, Qt.Key.Key_Return)
-    assert intents() == [SetDuration("nod", 2.5)]
+    assert intents() == [SetDuration("far", 2.5)]
+    link.known = replace(link.known, playing="")
+    window.refresh()
+    assert (strip.cards[2].duration, strip.cards[2].problem) == ("2.5 s", "")
+    assert "5.5 s" in panel.play.toolTip()
 
 
 def test_loop_and_files_report_their_intents(

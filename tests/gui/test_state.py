@@ -14,13 +14,13 @@ from gui_worlds import (
     absent,
     accept,
     arms_of,
+    camera,
     robot,
     sent,
     state_after,
     status,
     world,
 )
-from msgspec import structs
 from present import present
 
 from beatrix_zenoh.client import Presence
@@ -183,13 +183,6 @@ def test_only_visible_pictures_are_subscribed_to() -> None:
     assert watched == {("sim", "left"), ("sim", "right")}
     assert state.handle(intents.Choose("cameras", value=False), world()) == [WatchCameras(frozenset())]
     assert state.handle(intents.Choose("tab", Tab.PLOTS), world()) == []
-
-
-def camera(*, connected: bool = True, streaming: bool = True, trouble: str = "") -> CameraStatus:
-    found = CameraStatus(
-        eye="left", connected=connected, streaming=streaming, hz=15.0, width=640, height=480, source="v4l2"
-    )
-    return structs.replace(found, trouble=trouble)
 
 
 @pytest.mark.parametrize(

@@ -242,10 +242,7 @@ def test_a_row_shows_the_lesson_its_progress_and_the_number_of_passed_lessons() 
         ([lesson("ana", "01-hello", passed=True, tries=65535)], ("01-hello", "✗ impossible (65535)")),
         ([lesson("ana", "01-hello", passed=True, tries=0)], ("01-hello", "✗ impossible (0)")),
         ([lesson("ana", "01-hello", stuck=6, tries=5)], ("01-hello", "✗ impossible (5)")),
-        (
-            [lesson("ana", "01-hello"), lesson("ana", "02-steps", passed=True)],
-            ("01-hello", "○ trying (2)"),
-        ),
+        ([lesson("ana", "01-hello"), lesson("ana", "02-steps", passed=True)], ("01-hello", "○ trying (2)")),
         ([lesson("ana", "01-hello"), lesson("ana", "02-steps", tries=1)], ("02-steps", "○ trying (1)")),
         (
             [STUCK, lesson("ana", "04-look-there")],

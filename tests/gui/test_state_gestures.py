@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from gui_worlds import BOTH, NOT_SIM, robot, state_after, status, world
+from gui_worlds import BOTH, NOT_SIM, camera, robot, state_after, status, world
 from present import present
 
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.choreography import GESTURES
-from beatrix_zenoh.contract._generated.messages import CameraStatus, Reason
+from beatrix_zenoh.contract._generated.messages import Reason
 from gui.console.state.actions import EndFollowing, FollowFace, Outcome, Play
 from gui.console.state.intents import Choose, Intent
 from gui.console.state.state import State
@@ -19,13 +19,9 @@ from gui.console.state.world import FaceProgress, World
 SHIPPED, OWN = Path("shipped/follow_the_face.py"), Path("beatrix-programs/follow_the_face.py")
 
 
-def seeing(side: str, *, connected: bool = True, source: str = "") -> RobotState:
+def seeing(side: str, **fields: bool | str) -> RobotState:
     """Return a robot with cameras."""
-    cameras = tuple(
-        CameraStatus(eye=eye, connected=connected, streaming=False, hz=0.0, width=0, height=0, source=source)
-        for eye in ("left", "right")
-    )
-    return robot(side, known=status(side, cameras=cameras))
+    return robot(side, known=status(side, cameras=(camera("left", **fields), camera("right", **fields))))
 
 
 def faces(*, sim: bool = True, hw: bool = False, running: bool = False, file: Path = SHIPPED) -> World:

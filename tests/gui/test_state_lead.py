@@ -144,7 +144,7 @@ def test_the_target_follows_the_head_until_the_user_aims() -> None:
 LIVE = intents.Choose("live", value=True)
 LIMITS = LimitInfo(
     tilt_max=math.radians(20),
-    gap_min=math.radians(30),
+    gap_min=0.5,
     yaw_max=math.pi,
     speed_default=0.5,
     speed_max=1.5,

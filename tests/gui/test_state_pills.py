@@ -7,11 +7,11 @@ from typing import Any
 
 import pytest
 from golden import same
-from gui_worlds import absent, account, robot, status, world
+from gui_worlds import absent, account, camera, robot, status, world
 from present import present
 
 from beatrix_zenoh.client import Presence, RobotState
-from beatrix_zenoh.contract._generated.messages import CameraStatus, Command, Fault, FollowState, LeaseAction
+from beatrix_zenoh.contract._generated.messages import Command, Fault, FollowState, LeaseAction
 from gui.console.state.actions import (
     AskLease,
     ChooseRobot,
@@ -110,10 +110,7 @@ def test_a_window_whose_account_is_refused_offers_another_one() -> None:
 
 
 def test_latency_and_details_are_shown() -> None:
-    camera = CameraStatus(
-        eye="left", connected=True, streaming=True, hz=15.0, width=640, height=480, source="rays"
-    )
-    found = pill(world(robot("sim", known=status("sim", cameras=(camera,)))))
+    found = pill(world(sim_with(cameras=(camera(),))))
     assert found.latency == "2 ms"
     same("state pills.latency and details are shown", found.details)
     assert pill(world(), "hw").latency == ""

@@ -18,6 +18,7 @@ from gui_worlds import (
     sent,
     state_after,
     status,
+    tilt,
     vector,
     world,
 )
@@ -49,17 +50,6 @@ from gui.console.state.state import State
 from gui.console.state.world import LinkPhase, PlanPhase, World
 
 # -- refusals ----------------------------------------------------------------------------------------
-
-
-def tilt(**alternative: Any) -> Detail:
-    return Detail(
-        limit=Limit.TILT,
-        value=math.radians(40),
-        high=math.radians(35),
-        unit="rad",
-        at_goal=True,
-        alternative=Alternative(**alternative) if alternative else None,
-    )
 
 
 def test_a_refusal_is_shown_at_the_pad_and_its_alternative_is_sent() -> None:

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from typing import Self
 
+from present import present
 from robots import until
 
 from beatrix_zenoh.account import Account
@@ -114,9 +115,7 @@ class Linked:
 
 def short(world: World, side: str) -> float:
     """Return the commanded angle of the short arm (deg)."""
-    reading = world.side(side).reading
-    assert reading is not None
-    return reading.commanded.short
+    return present(world.side(side).reading).commanded.short
 
 
 def at_home(linked: Linked) -> None:
@@ -135,5 +134,12 @@ def at_home(linked: Linked) -> None:
 
 def is_home(state: RobotState) -> bool:
     """Return whether a robot is calibrated and all its commanded angles are 0."""
-    known = state.status is not None and state.status.calibrated and state.reading is not None
-    return known and state.reading is not None and state.reading.commanded == (0, 0, 0)
+    if state.status is None or state.reading is None:
+        return False
+    return state.status.calibrated and state.reading.commanded == (0, 0, 0)
+
+
+def rests(world: World, side: str) -> bool:
+    """Return whether a robot says that nothing moves."""
+    status = world.side(side).status
+    return status is not None and not status.moving

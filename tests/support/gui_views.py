@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import msgspec
-from gui_worlds import absent, account, robot, status, world
+from gui_worlds import absent, account, refused, robot, status, tilt, world
 
 from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles, Path
@@ -15,7 +15,7 @@ from beatrix_zenoh.client.lesson_reports import STUCK, Row
 from beatrix_zenoh.contract._generated import messages
 from beatrix_zenoh.motion.kinematics import Neck
 from gui.console.state import intents
-from gui.console.state.actions import Action, Govern, Outcome
+from gui.console.state.actions import Govern, Outcome
 from gui.console.state.state import State
 from gui.console.state.views import View
 from gui.console.state.world import LinkPhase, PlanPhase, PlanProgress, World
@@ -59,33 +59,12 @@ def posed(side: str, arms: tuple[float, float, float], head: HeadAngles, **known
     return replace(made, positions=turned)
 
 
-def reported(
-    state: State, intent: intents.Intent, now: World, refused: messages.Detail | None = None
-) -> None:
-    """Let a state handle an intent; report that both robots have carried out its request, or that its preview was refused."""
+def reported(state: State, intent: intents.Intent, now: World) -> None:
+    """Let a state handle an intent; report that all robots have carried out its requests."""
     for action in state.handle(intent, now):
-        if isinstance(action, Govern):
-            state.report(Outcome(action.row, "", accepted=True, done=True, robots=len(now.robots)))
-            continue
-        for side in ("sim", "hw") if refused is None else ("",):
-            state.report(outcome(action, side, refused))
-
-
-def outcome(action: Action, side: str, refused: messages.Detail | None) -> Outcome:
-    """Return the last outcome of a request at one robot; with `refused`, a refusal."""
-    row: int = getattr(action, "row", 0)
-    if refused is None:
-        return Outcome(row, side, accepted=True, done=True, duration_s=1.21)
-    message = "bea1 (sim): The head would lean 40.0°; at most 35.0° is allowed."
-    return Outcome(
-        row,
-        side,
-        accepted=False,
-        done=True,
-        reason=messages.Reason.OUT_OF_REACH,
-        message=message,
-        detail=refused,
-    )
+        row: int = getattr(action, "row", 0)
+        for side in ("",) if isinstance(action, Govern) else ("sim", "hw"):
+            state.report(Outcome(row, side, True, True, duration_s=1.21, robots=len(now.robots)))
 
 
 def driving(theme: intents.Theme, language: str, now: World) -> State:
@@ -114,14 +93,16 @@ SHARED: dict[str, dict[str, Any]] = {
 """Fields of the status of both robots, by the name of a state of the window."""
 
 
+def both(before: World, **known: Any) -> World:
+    """Return a world in which the status of both robots has these fields."""
+    sim, hw = (robot(side, arms=ARMS, known=status(side, **known)) for side in ("sim", "hw"))
+    return replace(before, sim=sim, hw=hw)
+
+
 def shared(deciding: State, before: World, **known: Any) -> World:
     """Let a state follow a world in which its seat waits, then the returned world: both robots have this status."""
-    waiting = {
-        side: robot(side, known=status(side, holder="ana", waiting=("ben",))) for side in ("sim", "hw")
-    }
-    deciding.follow(replace(before, sim=waiting["sim"], hw=waiting["hw"]))
-    found = {side: robot(side, arms=ARMS, known=status(side, **known)) for side in ("sim", "hw")}
-    now = replace(before, sim=found["sim"], hw=found["hw"])
+    deciding.follow(both(before, holder="ana", waiting=("ben",)))
+    now = both(before, **known)
     deciding.follow(now)
     return now
 
@@ -226,16 +207,10 @@ def example(state: str, theme: intents.Theme, language: str) -> View:
         now = replace(now, plan=plan, sim=posed("sim", arms_of(head), head, moving=True))
     elif state == "refusal":
         deciding.handle(intents.AimHead(20.0, 40.0, 0.0), now)
-        other = messages.Alternative(head=messages.Head(math.radians(20), math.radians(35), 0.0))
-        tilt = messages.Detail(
-            limit=messages.Limit.TILT,
-            at_goal=True,
-            value=math.radians(40),
-            high=math.radians(35),
-            unit="rad",
-            alternative=other,
-        )
-        reported(deciding, intents.SendHead(), now, tilt)
+        deciding.handle(intents.SendHead(), now)
+        detail = tilt(head=messages.Head(math.radians(20), math.radians(35), 0.0))
+        message = "bea1 (sim): The head would lean 40.0°; at most 35.0° is allowed."
+        refused(deciding, detail, messages.Reason.OUT_OF_REACH, message, side="")
     elif state == "fault":
         known = status("hw", enabled=False, calibrated=False, fault=messages.Fault.EMERGENCY)
         now = replace(now, hw=robot("hw", arms=ARMS, known=known))
@@ -250,9 +225,5 @@ def example(state: str, theme: intents.Theme, language: str) -> View:
         deciding.handle(intents.TogglePage(), now)
         reported(deciding, Govern(0, messages.LeaseAction.LIMIT, speed=math.radians(20)), now)
     elif state == "driven":
-        taken = {
-            side: robot(side, arms=ARMS, known=status(side, holder="ana", moving=True))
-            for side in ("sim", "hw")
-        }
-        now = replace(now, sim=taken["sim"], hw=taken["hw"])
+        now = both(now, holder="ana", moving=True)
     return deciding.view(now)

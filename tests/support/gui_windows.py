@@ -86,10 +86,6 @@ class Windowed:
         QTest.mouseClick(button, Qt.MouseButton.LeftButton)
         self.until_shown()
 
-    def drag(self, widget: QWidget, start: QPoint, goal: QPoint) -> None:
-        """Drag with the mouse."""
-        drag(widget, start, goal)
-
     def check(self, box: QAbstractButton, *, on: bool = True) -> None:
         """Click a box unless it has this state already."""
         reveal(box)
@@ -102,12 +98,6 @@ class Windowed:
         sending = self.window.panels.sending
         self.check(sending.sim, on="sim" in sides)
         self.check(sending.hw, on="hw" in sides)
-
-    def key(self, key: Qt.Key, modifiers: Qt.KeyboardModifier = Qt.KeyboardModifier.NoModifier) -> None:
-        """Press a key as the platform does: in the popup, or in the focused widget."""
-        found: list[QWidget | None] = [QApplication.activePopupWidget(), QApplication.focusWidget()]
-        QTest.keyClick(next((widget for widget in found if widget is not None), self.window), key, modifiers)
-        self.until_shown()
 
     def until_shown(self) -> None:
         """Wait until the window shows the newest request, so that tests do not read older results."""

@@ -41,6 +41,12 @@ def positions(arms: tuple[float, float, float] = (0.0, 0.0, 0.0), yaw: float = 0
     return replace(AT_HOME, position=place, commanded=place, head=messages.Head(math.radians(yaw), 0.0, 0.0))
 
 
+def camera(eye: str = "left", **fields: Any) -> messages.CameraStatus:
+    """Return the status of a camera; by default of one that streams."""
+    known: dict[str, Any] = {"connected": True, "streaming": True, "source": "rays"} | fields
+    return messages.CameraStatus(eye=eye, hz=15.0, width=640, height=480, **known)
+
+
 def robot(
     side: str,
     *,
@@ -143,6 +149,18 @@ def arms_of(send: Send) -> tuple[float, ...]:
 
 def plan(phase: PlanPhase, countdown_s: float = 0.0, path: MotionPath | None = None) -> World:
     return world(plan=PlanProgress(phase, 1.2, 2.0, countdown_s, path))
+
+
+def tilt(**alternative: Any) -> messages.Detail:
+    """Return the detail of a refusal because of the lean; the keywords are those of its alternative."""
+    return messages.Detail(
+        limit=messages.Limit.TILT,
+        value=math.radians(40),
+        high=math.radians(35),
+        unit="rad",
+        at_goal=True,
+        alternative=messages.Alternative(**alternative) if alternative else None,
+    )
 
 
 def refused(

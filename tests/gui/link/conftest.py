@@ -1,4 +1,4 @@
-"""Both robots, and a link of the window to them."""
+"""A link of the window to both robots."""
 
 from __future__ import annotations
 
@@ -7,13 +7,6 @@ from collections.abc import Iterator
 import pytest
 from gui_links import Linked, at_home
 from robots import Stage
-
-
-@pytest.fixture(scope="module")
-def stage(bea: Stage) -> Iterator[Stage]:
-    """Both robots `bea`."""
-    yield bea
-    bea.close_clients()
 
 
 @pytest.fixture

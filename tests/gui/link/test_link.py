@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from functools import partial
 
 import pytest
-from gui_links import Linked, look
+from gui_links import Linked, look, short
 from late_tests import in_time
 from robots import Process, Stage, free_endpoint, start_router, until
 
@@ -27,9 +27,7 @@ def test_a_motion_of_one_robot_is_accepted_and_done(linked: Linked) -> None:
         assert not accepted.done
         end = linked.end_of(row, side)
         assert (end.accepted, end.reason) == (True, Reason.OK)
-        reading = linked.world.side(side).reading
-        assert reading is not None
-        assert reading.commanded.short == pytest.approx(10, abs=0.1)
+        assert short(linked.world, side) == pytest.approx(10, abs=0.1)
         until(partial(recorded, linked, side), "the event")
         in_time(abs(end.duration_s - accepted.duration_s), 0.3, "duration apart from the one announced")
 
@@ -68,23 +66,14 @@ def test_stop_is_sent_at_once_while_the_window_is_busy(
 # -- the session ----------------------------------------------------------------------------------
 
 
-def test_stop_without_a_session_is_reported_at_once() -> None:
+def test_the_link_connects_to_a_router_that_starts_later_and_again_after_its_loss() -> None:
     endpoint = free_endpoint()
     with Linked(endpoint) as linked:
         world = linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "there is no router")
         assert f"No router at {endpoint}" in world.trouble
-        assert world.sim.presence is world.hw.presence is Presence.ABSENT
-        linked.do(SendStop(1))
-        end = linked.end_of(1)
-        assert (end.accepted, end.reason) == (False, Reason.NO_ROUTER)
-        linked.do(Send(2, look(5), ("sim", "hw")))
-        assert linked.end_of(2).reason is Reason.NO_ROUTER
-
-
-def test_the_link_connects_to_a_router_that_starts_later_and_again_after_its_loss() -> None:
-    endpoint = free_endpoint()
-    with Linked(endpoint) as linked:
-        linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "there is no router")
+        for action in (SendStop(1), Send(2, look(5), ("sim", "hw"))):
+            linked.do(action)
+            assert linked.end_of(action.row).reason is Reason.NO_ROUTER
         router = start_router(endpoint)
         linked.do(Retry())
         linked.until(lambda world: world.phase is LinkPhase.ONLINE, "there is a router")
@@ -95,8 +84,8 @@ def test_the_link_connects_to_a_router_that_starts_later_and_again_after_its_los
             router.end()
             world = linked.until(lambda world: world.phase is LinkPhase.NO_ROUTER, "the router is lost")
             assert endpoint in world.trouble
-            linked.do(SendStop(1))
-            assert linked.end_of(1, "hw").reason is Reason.NO_ROUTER
+            linked.do(SendStop(3))
+            assert linked.end_of(3, "hw").reason is Reason.NO_ROUTER
             router = start_router(endpoint)
             try:
                 linked.until(lambda world: world.phase is LinkPhase.ONLINE, "it is back")

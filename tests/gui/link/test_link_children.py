@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 import signal
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from gui_links import Linked, look
-from robots import Stage, free_endpoint
+from present import present
+from robots import free_endpoint
 
 from beatrix_zenoh.client import Presence
 from beatrix_zenoh.processes import Child
@@ -22,33 +22,22 @@ READY_S = 60.0
 """Time limit (s) of a child process on a busy machine."""
 
 
-@pytest.fixture(scope="module")
-def stage() -> Iterator[Stage]:
-    with Stage() as made:
-        made.simulation("bea", "--ready")
-        yield made
-
-
-@pytest.fixture
-def linked(stage: Stage, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Linked]:
-    """A link in a working directory of its own."""
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Work in a folder of this test."""
     monkeypatch.chdir(tmp_path)
-    with Linked(stage.endpoint) as made:
-        made.online("sim")
-        yield made
 
 
-def kill(child: Child | None) -> None:
+def kill(child: Child) -> None:
     """Kill a process, as a system without free memory does."""
-    assert child is not None
     os.kill(child._process.pid, signal.SIGKILL)
 
 
 def test_the_error_of_a_viewer_without_its_file_names_the_cause(linked: Linked, tmp_path: Path) -> None:
     linked.do(actions.ViewRecording(tmp_path / "none.rrd"))
     world = linked.until(lambda world: bool(world.child_trouble), "it has ended", READY_S)
-    assert world.child_trouble is not None
-    assert (world.child_trouble.key, "none.rrd" in world.child_trouble.detail) == ("trouble.viewer", True)
+    trouble = present(world.child_trouble)
+    assert (trouble.key, "none.rrd" in trouble.detail) == ("trouble.viewer", True)
 
 
 # -- a simulation of the window -------------------------------------------------------------------
@@ -68,8 +57,8 @@ def test_a_simulation_and_a_router_are_started_and_end_with_the_window() -> None
         assert linked.end_of(1, "sim").accepted
         kill(linked.link._children._nodes[SIMULATION])
         world = linked.until(lambda _: not linked.link._children.runs(SIMULATION), "it was killed")
-        assert world.child_trouble is not None
-        assert (world.child_trouble.key, world.child_trouble.code) == ("trouble.simulation", "SIGKILL")
+        trouble = present(world.child_trouble)
+        assert (trouble.key, trouble.code) == ("trouble.simulation", "SIGKILL")
         linked.until(lambda world: world.sim.presence is Presence.ABSENT, "it is absent")
         linked.do(actions.StartSimulation())
         assert linked.world.child_trouble is None
@@ -81,54 +70,51 @@ def test_a_simulation_for_a_router_on_another_computer_is_refused() -> None:
     with Linked("tcp/203.0.113.1:7447") as linked:
         linked.do(actions.StartSimulation())
         world = linked.until(lambda world: not world.starting, "it is refused", READY_S)
-        assert world.child_trouble is not None
-        assert (world.child_trouble.key, "another computer" in world.child_trouble.detail) == (
-            "trouble.elsewhere",
-            True,
-        )
+        trouble = present(world.child_trouble)
+        assert (trouble.key, "another computer" in trouble.detail) == ("trouble.elsewhere", True)
         assert not linked.link._children.runs(SIMULATION)
 
 
 # -- recordings -----------------------------------------------------------------------------------
 
 
-def recording(linked: Linked) -> RecordingProgress:
+def begun(linked: Linked) -> RecordingProgress:
     """Begin a recording; return its progress after half a second."""
     linked.do(actions.BeginRecording())
     world = linked.until(
         lambda world: world.recording is not None and world.recording.seconds > 0.5, "it records", READY_S
     )
-    assert world.recording is not None
-    return world.recording
+    return present(world.recording)
+
+
+def ended(linked: Linked) -> RecordingProgress:
+    """Wait for the end of the recording; return its progress."""
+    world = linked.until(
+        lambda world: world.recording is not None and not world.recording.running, "it has ended"
+    )
+    return present(world.recording)
 
 
 def test_a_recording_can_be_read(linked: Linked, tmp_path: Path) -> None:
     linked.do(actions.EndRecording())  # no recording runs, so this does nothing
     assert linked.world.recording is None
-    begun = recording(linked)
-    assert (begun.running, begun.trouble) == (True, None)
-    assert begun.file.parent == tmp_path / "recordings"
+    first = begun(linked)
+    assert (first.running, first.trouble) == (True, None)
+    assert first.file.parent == tmp_path / "recordings"
     linked.do(actions.Send(1, look(5), ("sim",)))
     assert linked.end_of(1, "sim").accepted
     linked.do(actions.EndRecording())
-    world = linked.until(
-        lambda world: world.recording is not None and not world.recording.running, "it has ended"
-    )
-    assert world.recording is not None
-    assert world.recording.trouble is None
-    assert world.recording.seconds >= begun.seconds
-    assert list(read_recording(begun.file).robots) == [("bea", "sim")]
+    last = ended(linked)
+    assert last.trouble is None
+    assert last.seconds >= first.seconds
+    assert ("bea", "sim") in read_recording(first.file).robots
 
 
 def test_the_loss_of_the_recorder_is_reported(linked: Linked) -> None:
-    recording(linked)
+    begun(linked)
     kill(linked.link._recordings._processes.children[-1])
-    world = linked.until(
-        lambda world: world.recording is not None and not world.recording.running, "the loss is reported"
-    )
-    assert world.recording is not None
-    assert world.recording.trouble is not None
-    assert (world.recording.trouble.key, world.recording.trouble.code) == ("trouble.recorder", "SIGKILL")
+    trouble = present(ended(linked).trouble)
+    assert (trouble.key, trouble.code) == ("trouble.recorder", "SIGKILL")
 
 
 def test_a_file_is_written_or_the_failure_is_reported(linked: Linked, tmp_path: Path) -> None:

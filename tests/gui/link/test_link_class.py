@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import signal
-from pathlib import Path
+from collections.abc import Iterator
 
 import pytest
-from class_router import ClassRouter, replies, start_node
+from class_router import ClassRouter, replies
 from gui_links import Linked
 from gui_views import lesson
 from present import present
 from robots import Stage
 
+from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
@@ -50,23 +51,50 @@ def test_a_robot_that_does_not_answer_is_named_and_the_others_are_frozen() -> No
             assert linked.world.robots == ()
 
 
-def test_the_window_of_a_class_mutes_the_seat_of_a_named_pupil(tmp_path: Path) -> None:
-    with ClassRouter(tmp_path, seats='{ana = "Ána Ruiz"}') as router:
-        node, teacher = start_node(tmp_path, router.path("bea1")), router.account("teacher")
-        try:
-            ana = router.session("ana")
-            ana.declare_token(keys.seat("ana", ana.session_id))
-            with Linked(teacher.connect, "bea1", "teacher", account=teacher) as linked:
-                linked.do(WatchClass(on=True))
-                linked.until(lambda world: world.seats == ("ana", "teacher"), "the seats are listed")
-                linked.until(lambda world: len(world.robots) == 1, "the robot is listed")
-                assert linked.world.shown("ana") == "Ána Ruiz (ana)"
-                (seat,) = page_seats(linked.world)
-                linked.do(Govern(1, LeaseAction.MUTE, seat=seat))
-                assert linked.end_of(1).accepted
-                assert replies(router.session("teacher"), keys.pending("bea2", "hw")), "bea2 gets it later"
-        finally:
-            node.end()
+def test_freeze_limit_and_stop_reach_all_robots() -> None:
+    with Stage() as stage:
+        for name in ("bea1", "bea2"):
+            stage.node(name)
+        with Linked(stage.endpoint, who="teacher") as linked:
+            linked.do(WatchClass(on=True))
+            linked.until(lambda world: len(world.robots) == 2, "all robots are listed")
+            linked.do(Govern(1, LeaseAction.FREEZE))
+            linked.do(Govern(2, LeaseAction.LIMIT, speed=0.5))
+            linked.do(SendStop(3, everywhere=True))
+            for row in (1, 2, 3):
+                end = linked.end_of(row)
+                assert (end.accepted, end.robots) == (True, 2)
+            linked.until(lambda world: all(map(is_frozen_and_slow, world.robots)), "both obey")
+
+
+def is_frozen_and_slow(robot: RobotState) -> bool:
+    return robot.status is not None and robot.status.frozen and robot.status.speed_limit > 0
+
+
+@pytest.fixture(scope="module")
+def school(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
+    """The router of a class, with a pupil whose name is known."""
+    with ClassRouter(tmp_path_factory.mktemp("class"), seats='{ana = "Ána Ruiz"}') as router:
+        yield router
+
+
+@pytest.fixture
+def teacher(school: ClassRouter) -> Iterator[Linked]:
+    account = school.account("teacher")
+    with Linked(account.connect, "bea1", "teacher", account=account) as linked:
+        yield linked
+
+
+def test_the_window_of_a_class_mutes_the_seat_of_a_named_pupil(school: ClassRouter, teacher: Linked) -> None:
+    ana = school.session("ana")
+    ana.declare_token(keys.seat("ana", ana.session_id))
+    teacher.do(WatchClass(on=True))
+    teacher.until(lambda world: world.seats == ("ana", "teacher"), "the seats are listed")
+    assert teacher.world.shown("ana") == "Ána Ruiz (ana)"
+    (seat,) = page_seats(teacher.world)
+    teacher.do(Govern(1, LeaseAction.MUTE, seat=seat))
+    assert teacher.end_of(1).accepted
+    assert replies(school.session("teacher"), keys.pending("bea2", "hw")), "bea2 gets it later"
 
 
 def page_seats(now: World) -> list[str]:
@@ -100,27 +128,22 @@ def test_the_teachers_window_opens_on_a_robot_of_the_class() -> None:
 
 
 @pytest.mark.long("waits for the period of reports")
-def test_the_reports_of_the_class_are_read_while_its_page_is_shown(tmp_path: Path) -> None:
-    with ClassRouter(tmp_path) as router:
-        ana, teacher = router.session("ana"), router.account("teacher")
-        report = lesson("ana", "01-hello", stuck=5)
+def test_the_reports_of_the_class_are_read_while_its_page_is_shown(
+    school: ClassRouter, teacher: Linked
+) -> None:
+    ana = school.session("ana")
+    teacher.until(lambda world: world.phase is LinkPhase.ONLINE, "a session")
+    assert teacher.world.reports is None
+    teacher.do(WatchClass(on=True))
+    for report in (lesson("ana", "01-hello", stuck=5), lesson("ana", "01-hello", passed=True, tries=6)):
         ana.put(keys.lesson("ana", "01-hello"), codec.encode(report.state), codec.MSGPACK)
-        router.settled(ana)
-        with Linked(teacher.connect, "bea1", "teacher", account=teacher) as linked:
-            linked.until(lambda world: world.phase is LinkPhase.ONLINE, "a session")
-            assert linked.world.reports is None
-            linked.do(WatchClass(on=True))
-            linked.until(lambda world: world.reports == (report,), "the report is read")
-            passed = lesson("ana", "01-hello", passed=True, tries=6)
-            ana.put(keys.lesson("ana", "01-hello"), codec.encode(passed.state), codec.MSGPACK)
-            linked.until(lambda world: world.reports == (passed,), "a later report is read")
-            linked.do(WatchClass(on=False))
-            assert linked.world.reports is None
+        teacher.until(lambda world, report=report: world.reports == (report,), "the report is read")  # type: ignore[misc]
+    teacher.do(WatchClass(on=False))
+    assert teacher.world.reports is None
 
 
-def test_only_the_teacher_reads_reports(tmp_path: Path) -> None:
-    with ClassRouter(tmp_path) as router:
-        account = router.account("ana")
-        with Linked(account.connect, "bea1", "ana", account=account) as linked:
-            linked.do(WatchClass(on=True))
-            assert linked.until(lambda world: world.reports_failed, "refused").reports is None
+def test_only_the_teacher_reads_reports(school: ClassRouter) -> None:
+    account = school.account("ana")
+    with Linked(account.connect, "bea1", "ana", account=account) as linked:
+        linked.do(WatchClass(on=True))
+        assert linked.until(lambda world: world.reports_failed, "refused").reports is None

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from gui_links import Linked, at_home, look, short
+from gui_links import Linked, look, rests, short
+from present import present
 from robots import END_S, Stage
 
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -30,18 +30,11 @@ with Robot() as robot:
 FAILED = "result.program_failed"
 
 
-@pytest.fixture
+@pytest.fixture(autouse=True)
 def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The file of the user's own program, in a home folder of this test; it does not exist yet."""
     monkeypatch.setenv("HOME", str(tmp_path))
     return tmp_path / "beatrix-programs/follow_the_face.py"
-
-
-@pytest.fixture
-def linked(stage: Stage, own: Path) -> Iterator[Linked]:
-    with Linked(stage.endpoint) as made:
-        at_home(made)
-        yield made
 
 
 def write(own: Path, text: str) -> None:
@@ -73,9 +66,7 @@ def test_the_program_is_copied_once_and_then_it_is_the_one_that_runs(linked: Lin
     turning(linked, 3)
     linked.do(EndFollowing())
     assert linked.end_of(3).accepted
-    world = linked.until(
-        lambda world: world.sim.status is not None and not world.sim.status.moving, "the head rests"
-    )
+    world = linked.until(lambda world: rests(world, "sim"), "the head rests")
     assert not world.face.running
 
 
@@ -99,9 +90,7 @@ def test_stop_ends_the_program(linked: Linked, own: Path) -> None:
     turning(linked, 1)
     linked.do(SendStop(2))
     assert linked.end_of(1).reason is Reason.STOPPED
-    world = linked.until(
-        lambda world: world.sim.status is not None and not world.sim.status.moving, "the head rests"
-    )
+    world = linked.until(lambda world: rests(world, "sim"), "the head rests")
     assert not world.face.running
 
 
@@ -146,8 +135,6 @@ def test_the_program_ends_when_its_parent_is_killed(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "beatrix_zenoh.cli", "--with-parent", "--program", str(program)]
     child = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
     with child:
-        assert child.stdout is not None
-        assert child.stdin is not None
-        assert child.stdout.readline() == b"ready\n"
-        child.stdin.close()  # as the end of the parent does
+        assert present(child.stdout).readline() == b"ready\n"
+        present(child.stdin).close()  # as the end of the parent does
         assert child.wait(END_S) != 0

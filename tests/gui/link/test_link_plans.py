@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from gui_links import Linked, look, short
+from gui_links import Linked, is_home, look, rests, short
+from present import present
 from robots import Stage
 
 from beatrix_zenoh.client.choreography import ArmPose
@@ -23,9 +24,7 @@ TOO_FAR = pose_query(0.0, 60.0, 0.0, relative=False, speed=60.0)
 
 def steps(linked: Linked, side: str = "hw") -> Steps:
     """Return the set points of a robot, in steps."""
-    positions = linked.world.side(side).positions
-    assert positions is not None
-    return positions.steps
+    return present(linked.world.side(side).positions).steps
 
 
 def leading(linked: Linked, row: int, yaw: float = 60.0, lead_s: float = 5.0) -> World:
@@ -53,18 +52,15 @@ def test_both_robots_move_together_without_a_lead(linked: Linked) -> None:
 def test_the_hardware_follows_after_the_lead_with_a_countdown(linked: Linked) -> None:
     before = steps(linked)
     world = leading(linked, 1, 20.0, 1.0)
-    assert world.plan is not None
-    assert world.plan.path is not None
-    assert world.plan.path.arms[-1].short == pytest.approx(20, abs=0.1)
-    assert 0.5 < world.plan.countdown_s <= world.plan.lead_s == 1.0
-    assert (world.plan.apart_deg, world.plan.alike) == (0.0, True)
+    plan = present(world.plan)
+    assert present(plan.path).arms[-1].short == pytest.approx(20, abs=0.1)
+    assert 0.5 < plan.countdown_s <= plan.lead_s == 1.0
+    assert (plan.apart_deg, plan.alike) == (0.0, True)
     assert steps(linked) == before
     sent = linked.until(
-        lambda world: world.plan is not None and world.plan.phase is PlanPhase.SENT,
-        "the hardware follows",
+        lambda world: world.plan is not None and world.plan.phase is PlanPhase.SENT, "the hardware follows"
     )
-    assert sent.plan is not None
-    assert sent.plan.countdown_s == 0.0
+    assert present(sent.plan).countdown_s == 0.0
     assert linked.end_of(1).accepted
     linked.until(lambda world: short(world, "hw") == pytest.approx(20, abs=0.1), "there")
 
@@ -79,7 +75,7 @@ def test_within_the_lead_abort_and_stop_leave_the_hardware_unmoved(
     end = linked.end_of(1)
     assert (end.accepted, end.reason) == (False, Reason.STOPPED)
     assert "bea (hw): not moved" in end.message
-    world = linked.until(lambda world: not world.sim.status.moving and world.plan is None, "it rests")  # type: ignore[union-attr]
+    world = linked.until(lambda world: rests(world, "sim") and world.plan is None, "it rests")
     assert short(world, "sim") < 50
     assert steps(linked) == before
 
@@ -108,7 +104,7 @@ def test_selecting_another_robot_ends_the_motions_of_this_window(linked: Linked)
     linked.do(ChooseRobot("other"))
     linked.do(ChooseRobot("bea"))
     linked.online(*BOTH)
-    linked.until(lambda world: world.hw.status is not None and not world.hw.status.moving, "it rests")
+    linked.until(lambda world: rests(world, "hw"), "it rests")
     assert short(linked.world, "hw") < 60
 
 
@@ -166,6 +162,15 @@ def test_poses_are_played_one_after_the_other(linked: Linked) -> None:
 
 
 @pytest.mark.long("plays in real time")
+def test_a_gesture_moves_both_heads_and_ends_at_home(linked: Linked) -> None:
+    linked.do(Play(1, BOTH, gesture="yes"))
+    for side in BOTH:
+        linked.until(lambda world, side=side: abs(short(world, side)) > 5, f"{side} nods")  # type: ignore[misc]
+    assert linked.end_of(1).accepted
+    assert all(is_home(linked.world.side(side)) for side in BOTH)
+
+
+@pytest.mark.long("plays in real time")
 def test_a_loop_is_played_until_a_newer_motion(linked: Linked) -> None:
     linked.do(Play(1, ("sim",), poses=turns(80.0, 8.0), again=turns(80.0, -8.0, 8.0)))
     linked.until(lambda world: short(world, "sim") > 7, "the first round")
@@ -184,7 +189,7 @@ def test_stop_ends_a_choreography_of_both_robots(linked: Linked) -> None:
     linked.until(lambda world: short(world, "sim") > 2 and short(world, "hw") > 2, "both move")
     linked.do(SendStop(2))
     assert (linked.end_of(1).reason, linked.end_of(1).key) == (Reason.STOPPED, "result.stop_pressed")
-    world = linked.until(lambda world: not world.playing and not world.hw.status.moving, "it has ended")  # type: ignore[union-attr]
+    world = linked.until(lambda world: not world.playing and rests(world, "hw"), "it has ended")
     assert short(world, "hw") < 39
 
 
