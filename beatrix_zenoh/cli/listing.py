@@ -35,7 +35,7 @@ from beatrix_zenoh.terminal.states import (
     state_row,
     unlike_notes,
 )
-from beatrix_zenoh.terminal.targets import Selection, open_targets
+from beatrix_zenoh.terminal.targets import open_robots
 
 VALUE_HEADS = ("group", "value", "now")
 LIST_HEADS = ("robot", "side", "state", "driver", "version", "firmware")
@@ -87,8 +87,8 @@ def status(
     name: Name = None, connect: Connect = None, who: Who = None, on: On = None, as_json: Json = False
 ) -> None:
     """Show all values of a robot, in groups. Angles are in degrees."""
-    with open_targets(Selection(name, connect, who), on) as targets:
-        found = [robot.status() for robot in targets.robots()]
+    with open_robots(resolve(name, connect, who), on) as robots:
+        found = [robot.status() for robot in robots]
     if as_json:
         print_json({"result": True, "robots": [state_row(status) for status in found]})
         return
@@ -116,10 +116,10 @@ def info(
     name: Name = None, connect: Connect = None, who: Who = None, on: On = None, as_json: Json = False
 ) -> None:
     """Show versions, limits, commands and keys. Programs in other languages need only this. Angles are in degrees."""
-    with open_targets(Selection(name, connect, who), on) as targets:
+    with open_robots(resolve(name, connect, who), on) as robots:
         infos = [
             ask(robot.client, robot.place, keys.info(*robot.place), None, Info, robot.timeout_s)
-            for robot in targets.robots()
+            for robot in robots
         ]
     if as_json:
         print_json({"result": True, "robots": [as_data(info) for info in infos]})

@@ -19,9 +19,9 @@ from beatrix_zenoh.contract.errors import Refused, WrongUsage
 from beatrix_zenoh.doctor.checks import CheckResult, network
 from beatrix_zenoh.doctor.computer import this_computer
 from beatrix_zenoh.output import FAILED, note, print_json, say
-from beatrix_zenoh.settings import resolve
+from beatrix_zenoh.settings import Settings, resolve
 from beatrix_zenoh.terminal.options import Connect, Json, Name, Which, Who
-from beatrix_zenoh.terminal.targets import Selection, open_targets, stop_on_interrupt
+from beatrix_zenoh.terminal.targets import open_robots, stop_on_interrupt
 
 MARKS = {"ok": "ok", "advice": "-", "todo": "!"}
 
@@ -38,7 +38,7 @@ def doctor(
 ) -> None:
     """Check router, account and robots, then this computer. The exit code is 1 if something must be done."""
     if by_jog:
-        jog(Selection(name, connect, who), as_json=as_json)
+        jog(resolve(name, connect, who), as_json=as_json)
         return
     settings = resolve(None, connect, who)
     sections = [(settings.connect, [*network(settings, name)]), ("this computer", [*this_computer()])]
@@ -86,7 +86,7 @@ class Observation(NamedTuple):
     counter_clockwise: bool
 
 
-def jog(selection: Selection, *, as_json: bool) -> None:
+def jog(settings: Settings, *, as_json: bool) -> None:
     """Turn one arm after the other, ask the user about each, and print what to do.
 
     The exit code is 1 if there is something to do.
@@ -95,8 +95,7 @@ def jog(selection: Selection, *, as_json: bool) -> None:
         Refused: the robot cannot move, with its reason, or the user named an arm twice.
         WrongUsage: standard input has ended.
     """
-    with open_targets(selection, Which.HW) as targets:
-        (robot,) = targets.robots()
+    with open_robots(settings, Which.HW) as (robot,):
         try:
             robot.move(0, 0, 0, relative=True)  # turns no arm, but a robot that cannot move refuses it
         except Refused as error:

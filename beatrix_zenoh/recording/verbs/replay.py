@@ -11,17 +11,17 @@ import typer
 
 from beatrix_zenoh.client import motion_file
 from beatrix_zenoh.client.degrees import FASTEST, SLOWEST, RobotInfo, checked_factor, robot_of
-from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
 from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.output import note, progress_bar
 from beatrix_zenoh.recording.verbs.files import RECORDING, only, read_recording
-from beatrix_zenoh.terminal.options import Connect, Json, Name, On, Who, finite
+from beatrix_zenoh.settings import resolve
+from beatrix_zenoh.terminal.options import Connect, Json, Lead, Name, On, Who, finite
 from beatrix_zenoh.terminal.targets import (
-    Selection,
     check_lead,
-    open_targets,
+    one_or_twin,
+    open_robots,
     show_positions,
     stop_on_interrupt,
 )
@@ -44,13 +44,7 @@ def replay(
             help=f"Replay this many times as fast, from {SLOWEST:g} to {FASTEST:g}: 0.5 takes twice the time.",
         ),
     ] = 1.0,
-    lead: Annotated[
-        float,
-        typer.Option(
-            metavar="S",
-            help="With --on both: the hardware follows this many seconds after the simulation.",
-        ),
-    ] = 0.0,
+    lead: Lead = 0.0,
     begin: Annotated[
         float,
         typer.Option(
@@ -72,18 +66,16 @@ def replay(
     checked_factor(speed_factor)
     check_lead(lead, on)
     path_for = read_path(file)
-    with open_targets(Selection(name, connect, who), on, acts=True) as targets:
-        robots = targets.robots()
+    with open_robots(resolve(name, connect, who), on, acts=True) as robots:
         infos = [robot.info() for robot in robots]
-        path = path_for(targets.name, infos[0]).beginning(begin)
+        path = path_for(robots[0].name, infos[0]).beginning(begin)
         following = plan_path(path.at_speed(speed_factor), infos)
-        with stop_on_interrupt(robots, as_json=as_json), progress(following) as passed:
-            if len(robots) > 1:
-                settings = targets.client.settings
-                with Twin(targets.name, connect=settings.connect, who=settings.who) as twin:
-                    perform(twin, following, passed, lead_s=lead)
-            else:
-                perform(robots[0], following, passed)
+        with (
+            stop_on_interrupt(robots, as_json=as_json),
+            progress(following) as passed,
+            one_or_twin(robots) as both,
+        ):
+            perform(both, following, passed, lead_s=lead)
         show_positions(robots, as_json=as_json)
 
 
