@@ -145,11 +145,9 @@ def _run(program: Program, robot: Robot, lease: Lease, *, endless: bool) -> None
             "BEATRIX_SIDE": robot.side,
             "BEATRIX_LEASE": str(lease.number),
         }
-        sandbox = Sandbox.of(program, folder)
-        run = Run(program.file(folder), program, sandbox, environment)
-        running = ending.enter_context(contextlib.closing(run))
+        running = Run(Sandbox(program, folder), environment)
         try:
-            ended = _watch(running, events, statuses, lease.number, settings.who)
+            ended = _watch(running, events, statuses, lease.number)
         finally:
             running.close()
             for line in _printed(running.output):
@@ -163,9 +161,7 @@ def _run(program: Program, robot: Robot, lease: Lease, *, endless: bool) -> None
         _check(running)
 
 
-def _watch(
-    running: Run, events: Subscription[Event], statuses: Subscription[Status], number: int, seat: str
-) -> bool:
+def _watch(running: Run, events: Subscription[Event], statuses: Subscription[Status], number: int) -> bool:
     """Return True when the program has ended, False when its time is over; raise the other errors of `take_turn`."""
     heard_s = time.monotonic()
     end_s = heard_s + LONGEST_S - HOME_S
@@ -183,7 +179,11 @@ def _watch(
         for status in statuses.take():
             heard_s = time.monotonic()
             if status.lease != number:
-                raise Refused(Reason.NOT_HOLDER, _ended_early(status.holder, seat))
+                raise Refused(
+                    Reason.NOT_HOLDER,
+                    f"Your turn has ended early; driver now: {status.holder or 'none'}. The teacher has ended it, or your "
+                    "program or another window of yours has given the robot back. Take another turn when it suits the class.",
+                )
         if time.monotonic() - heard_s > LOST_S:
             raise NoAnswer(
                 Reason.TIMED_OUT,
@@ -210,18 +210,6 @@ def _check(running: Run) -> None:
         error = str(said(unmet.values.get("error", unmet.figure))).removesuffix(".")
         where = said(unmet.values.get("where", ""))
         raise Refused(Reason.BAD_VALUE, f"Your program has ended with an error: {error}{where}.") from unmet
-
-
-def _ended_early(holder: str, seat: str) -> str:
-    """Return a sentence about a lease that is no longer that of the turn; `holder` has the robot now."""
-    if holder not in ("", seat):
-        return (
-            f"Your turn has ended; {holder} holds the robot now. Take another turn when it suits the class."
-        )
-    return (
-        "Your turn has ended early: the teacher has ended it, or your program or another window of yours has given the "
-        "robot back. Wait until the teacher lets you drive, then take another turn."
-    )
 
 
 def _end(robot: Robot, lease: Lease, *, home: bool) -> bool:
