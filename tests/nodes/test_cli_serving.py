@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import signal
 from collections.abc import Iterator
@@ -134,10 +133,10 @@ def test_up_starts_a_crashed_robot_again_once(up: Process, endpoint: str) -> Non
 
 def test_up_uses_a_running_router_and_leaves_it_running(endpoint: str) -> None:
     router = start_router(endpoint)
-    up = Process(*CLI, "up", "--connect", endpoint, "--name", "bea", "--no-sim", "--hw", "virtual:", "--json")
+    up = Process(*CLI, "up", "--connect", endpoint, "--name", "bea", "--no-sim", "--hw", "virtual:")
     try:
-        document = json.loads(up.expect("{"))
-        assert document["running"] == ["hardware"]
+        assert up.expect("router").endswith("runs already")
+        up.expect("The output of all processes")
         with zbus.connect(endpoint) as bus:
             assert bus.robots() == [("bea", "hw")]
         assert up.end(signal.SIGINT) == 0
