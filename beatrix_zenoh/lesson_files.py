@@ -74,41 +74,20 @@ class Lesson:
         self.name = folder.name
         self.number = int(folder.name.split("-")[0])
         self.about = _read(folder / "lesson.toml", LessonFile)
-        self._texts = _read(self._translated(folder / "hints.toml"), _Texts)
-
-    @property
-    def title(self) -> str:
-        """The title in the language of this lesson."""
-        return (self.about.title_de if self.language == "de" else "") or self.about.title
-
-    @property
-    def goal(self) -> str:
-        """What the pupil has to reach, in one sentence."""
-        return (self.about.goal_de if self.language == "de" else "") or self.about.goal
-
-    @property
-    def page(self) -> Path:
-        """The page for the pupil."""
-        return self._translated(self.folder / "lesson.md")
-
-    @property
-    def teacher_page(self) -> Path:
-        """The page for teachers."""
-        return self._translated(self.folder / "teacher.md")
-
-    @property
-    def hints(self) -> list[str]:
-        """The hints, the first to give first."""
-        return self._texts.hints
+        german = self.language == "de"
+        self.title = (german and self.about.title_de) or self.about.title
+        self.goal = (german and self.about.goal_de) or self.about.goal
+        """what the pupil has to reach, in one sentence"""
+        self.page = self._translated(folder / "lesson.md")
+        self.teacher_page = self._translated(folder / "teacher.md")
+        texts = _read(self._translated(folder / "hints.toml"), _Texts)
+        self.hints, self._figures = texts.hints, texts.figures
+        """the hints, the first to give first"""
 
     def figure(self, name: str) -> FigureTexts:
         """Return what to say about a figure: of this lesson, or of every lesson."""
-        if name in self._texts.figures:
-            return self._texts.figures[name]
-        return self._general().figures[name]
-
-    def _general(self) -> _Texts:
-        return _read(self._translated(LIBRARY / f"{GENERAL}.toml"), _Texts)
+        general = _read(self._translated(LIBRARY / f"{GENERAL}.toml"), _Texts)
+        return (general.figures | self._figures)[name]
 
     def _translated(self, path: Path) -> Path:
         translated = path.with_name(f"{path.stem}.{self.language}{path.suffix}")

@@ -120,7 +120,7 @@ class _Signer:
             listen_seats=classroom.listen_seats,
             seats=classroom.seats,
             robots=classroom.robots,
-            pictures_hz=classroom.pictures_hz,
+            pictures_hz=classroom.router.pictures_hz,
             authority=self.authority.certificate,
             certificate=own.certificate,
             key=own.key,
@@ -153,8 +153,8 @@ def connections(classroom: Classroom) -> str:
     return CONNECTIONS.format(
         name=classroom.name,
         table=f"beatrix_{classroom.name.replace('-', '_')}",
-        port=classroom.port,
-        port_seats=classroom.port + 1,
+        port=classroom.router.port,
+        port_seats=classroom.router.port + 1,
     )
 
 

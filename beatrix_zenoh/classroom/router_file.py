@@ -17,7 +17,6 @@ import msgspec
 
 from beatrix_zenoh import files
 from beatrix_zenoh.account import Account
-from beatrix_zenoh.account import renewal as renewal_of
 from beatrix_zenoh.bus.credentials import Identity
 from beatrix_zenoh.bus.router import EVERYTHING, ROOT, Grant, RouterAccess, below
 from beatrix_zenoh.class_file import Classroom, read
@@ -64,8 +63,8 @@ class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """common name of the newest certificate of each account"""
     certificates: dict[str, str]
     """newest certificate (PEM) of each account"""
-    expires: dt.date | None = None
-    """last day of the first certificate that expires; None: the file is of an earlier version"""
+    expires: dt.date
+    """last day of the first certificate that expires"""
 
     def __repr__(self) -> str:
         """Return role and class without the secrets."""
@@ -94,16 +93,8 @@ class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     def account(self) -> Account:
         """Return the account with which a program of the routers' computer may send and receive everything."""
-        return Account(
-            self.class_name,
-            ROUTER,
-            "robot",
-            self.listen,
-            dt.date.max,
-            self.authority,
-            self.certificate,
-            self.key,
-        )
+        own = (self.authority, self.certificate, self.key)
+        return Account(self.class_name, ROUTER, "robot", self.listen, dt.date.max, *own)
 
     def own(self, part: Part) -> tuple[str, ...]:
         """Return the accounts that connect to one of the routers."""
@@ -121,11 +112,6 @@ class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             seats=tuple(seat for seat in self.seats if seat not in gone),
             robots=tuple(robot for robot in self.robots if robot not in gone),
         )
-
-
-def renewal(file: RouterFile, today: dt.date) -> str:
-    """Return when the accounts of a class expire, and what to do; empty while `init` would keep them."""
-    return "" if file.expires is None else renewal_of(file.class_name, file.expires, today)
 
 
 def folder(path: Path, classroom: Classroom) -> Path:
@@ -156,8 +142,9 @@ def load(path: Path) -> RouterFile:
     if not made.is_file():
         raise _wrong(f"Class {classroom.name} has no accounts yet: {made} is missing. Run {init} first.")
     file = load(made)
-    shared = ("listen", "listen_seats", "seats", "robots", "pictures_hz")
-    if any(getattr(file, name) != getattr(classroom, name) for name in shared):
+    shared = ("listen", "listen_seats", "seats", "robots")
+    changed = any(getattr(file, name) != getattr(classroom, name) for name in shared)
+    if changed or file.pictures_hz != classroom.router.pictures_hz:
         raise _wrong(
             f"{path} has changed since the accounts were made. Run {init} again; it keeps existing accounts."
         )

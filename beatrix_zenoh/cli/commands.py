@@ -28,7 +28,7 @@ from beatrix_zenoh.contract._generated.messages import (
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, WrongUsage, naming
 from beatrix_zenoh.output import exit_code, note, print_json, say
 from beatrix_zenoh.settings import Settings, resolve
-from beatrix_zenoh.terminal.options import Connect, Json, Name, Names, On, Which, Who
+from beatrix_zenoh.terminal.options import Connect, Json, Name, Names, On, Wait, Which, Who
 from beatrix_zenoh.terminal.states import some
 from beatrix_zenoh.terminal.targets import open_robots
 
@@ -128,9 +128,7 @@ def lease(
     what: Annotated[
         What, typer.Argument(help="take: hold the robot until Ctrl-C. give-back: end your lease.")
     ],
-    wait: Annotated[
-        float, typer.Option(min=0.0, metavar="SECONDS", help="Wait in the queue for up to this long.")
-    ] = 0.0,
+    wait: Wait = 0.0,
     name: Name = None,
     connect: Connect = None,
     who: Who = None,

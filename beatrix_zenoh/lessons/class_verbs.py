@@ -16,19 +16,20 @@ from beatrix_zenoh.lesson_files import NOT_MEASURED, asked, find
 from beatrix_zenoh.lessons import program as programs
 from beatrix_zenoh.lessons import progress
 from beatrix_zenoh.output import columns, note, print_json, say
-from beatrix_zenoh.terminal.options import Connect, Json, Which, Who
+from beatrix_zenoh.terminal.options import Connect, Json, Wait, Which, Who
 
 if TYPE_CHECKING:
     from beatrix_zenoh.client.lesson_reports import Row
 
 
+Number = Annotated[int, typer.Argument(metavar="N", min=1, help="Number of the lesson.")]
+
+
 def turn(
-    number: Annotated[int, typer.Argument(metavar="N", min=1, help="Number of the lesson.")],
+    number: Number,
     name: Annotated[str | None, typer.Option("--name", metavar="ROBOT", help="Name of the robot.")] = None,
     on: Annotated[Which, typer.Option("--on", help="hw, or sim to rehearse it on a simulation.")] = Which.HW,
-    wait: Annotated[
-        float, typer.Option(min=0.0, metavar="SECONDS", help="Wait in the queue for up to this long.")
-    ] = 3600.0,
+    wait: Wait = 3600.0,
     connect: Connect = None,
     who: Who = None,
 ) -> None:

@@ -17,7 +17,7 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.lesson_files import Lesson, find, lessons
 from beatrix_zenoh.lessons import program as programs
 from beatrix_zenoh.lessons import progress
-from beatrix_zenoh.lessons.class_verbs import report, turn
+from beatrix_zenoh.lessons.class_verbs import Number, report, turn
 from beatrix_zenoh.lessons.progress import Record, Workspace
 from beatrix_zenoh.output import columns, note, print_json, say
 from beatrix_zenoh.terminal.options import Json
@@ -44,7 +44,6 @@ class LessonLanguage(StrEnum):
     GERMAN = "de"
 
 
-Number = Annotated[int, typer.Argument(metavar="N", min=1, help="Number of the lesson.")]
 LatestNumber = Annotated[
     int | None,
     typer.Argument(

@@ -171,7 +171,7 @@ def replay(
             for stream in streams:
                 stream.advance()
             now_s = time.monotonic()
-            progress(min(following.duration_s, max(0.0, now_s - begin_s)))
+            progress(min(following.path.duration_s, max(0.0, now_s - begin_s)))
             due_s = min(
                 (stream.due_s for stream in streams if stream.due_s is not None), default=now_s + POLL_S
             )

@@ -77,6 +77,9 @@ Lead = Annotated[
         "prevents its start.",
     ),
 ]
+Wait = Annotated[
+    float, typer.Option(min=0.0, metavar="SECONDS", help="Wait in the queue for up to this long.")
+]
 Legacy = Annotated[
     Path | None,
     typer.Option(

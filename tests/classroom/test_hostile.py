@@ -65,7 +65,7 @@ def moves_and_stops(robot: Robot) -> None:
 def recorded_session(router: ClassRouter) -> bytes:
     """Return the bytes that a program of the seat ana sends to turn the robot."""
     account = router.account("ana")
-    with Cable("127.0.0.1", router.classroom.port + 1) as cable:
+    with Cable("127.0.0.1", router.classroom.router.port + 1) as cable:
         endpoint = f"tls/127.0.0.1:{cable.port}"
         account = msgspec.structs.replace(account, connect=endpoint)
         with patiently(lambda: Client(Settings("bea1", endpoint, "ana", account=account))) as client:
@@ -78,7 +78,7 @@ def send_again(router: ClassRouter, pieces: list[bytes]) -> int:
     received_bytes = 0
     with (
         contextlib.suppress(ConnectionError),
-        socket.create_connection(("127.0.0.1", router.classroom.port + 1), PATIENCE_S) as connection,
+        socket.create_connection(("127.0.0.1", router.classroom.router.port + 1), PATIENCE_S) as connection,
     ):
         for piece in pieces[:-1]:
             connection.sendall(piece)
@@ -96,7 +96,7 @@ def test_a_replayed_session_opens_no_session_and_repeats_no_request(router: Clas
     served = Answering(router.session("bea2"), keys.command("bea2", "hw", "*"))
     router.settled(router.session("bea2"))
     account = router.account("ana")
-    with Cable("127.0.0.1", router.classroom.port + 1) as cable:
+    with Cable("127.0.0.1", router.classroom.router.port + 1) as cable:
         endpoint = f"tls/127.0.0.1:{cable.port}"
         relayed = msgspec.structs.replace(account, connect=endpoint)
         with patiently(lambda: zbus.connect(endpoint, account=relayed)) as session:
@@ -121,7 +121,7 @@ def test_hostile_traffic_moves_no_robot_and_blocks_no_request(router: ClassRoute
     recorded = recorded_session(router)
     before = teacher.status().motion
     seats = teacher.client.bus.tokens(keys.seat("ana", "*"))
-    with hostile.Attack("127.0.0.1", router.classroom.port, recorded) as attack:
+    with hostile.Attack("127.0.0.1", router.classroom.router.port, recorded) as attack:
         until(lambda: min(attack.sent[kind] for kind in hostile.KINDS) >= 10, "all kinds of attacks")
         assert teacher.status().motion == before, "no hostile bytes have moved the robot"
         assert teacher.client.bus.tokens(keys.seat("ana", "*")) == seats, (

@@ -129,7 +129,7 @@ def plan_path(path: ArmPath, infos: list[RobotInfo]) -> Following:
         note(f"Checking a path of {path.duration_s:.0f} s.")
     following, *_ = [follow(path, robot) for robot in robots_of(infos)]
     note(
-        f"Checked: {following.duration_s:.1f} s, {len(following.targets)} targets; the arms stay within "
+        f"Checked: {following.path.duration_s:.1f} s, {len(following.targets)} targets; the arms stay within "
         f"{following.off_deg:.1f}° of the path."
     )
     return following
@@ -147,10 +147,10 @@ def progress(following: Following) -> Iterator[Callable[[float], None]]:
             bar(passed_s)
 
     try:
-        with progress_bar("Replay", following.duration_s) as bar:
+        with progress_bar("Replay", following.path.duration_s) as bar:
             yield show
     except (BeatrixError, KeyboardInterrupt):
-        if 0.0 < latest_s < following.duration_s:
+        if 0.0 < latest_s < following.path.duration_s:
             given_s = following.path.given_s(latest_s)
             note(f"The replay ended at {given_s:.1f} s; --from {given_s:.1f} continues there.")
         raise
