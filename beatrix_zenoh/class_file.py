@@ -14,8 +14,7 @@ from beatrix_zenoh import files
 from beatrix_zenoh.account import Role
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.contract.errors import WrongUsage, wrong_usage
 
 LONGEST = 64 * 1024
 """Largest size of a class file (bytes)."""
@@ -131,4 +130,4 @@ def _check_names(path: Path, file: Classroom) -> None:
 
 def wrong(path: Path, text: str) -> WrongUsage:
     """Return the error for an invalid class file."""
-    return WrongUsage(Reason.BAD_VALUE, f"{path}: {text}.")
+    return wrong_usage(f"{path}: {text}.")

@@ -10,8 +10,7 @@ from typing import Annotated, Final, TypeVar
 
 import msgspec
 
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import bad_value
 
 T = TypeVar("T", bound=msgspec.Struct)
 ENGLISH = "en"
@@ -110,8 +109,7 @@ def find(number: int, language: str = ENGLISH) -> Lesson:
     if number in by_number:
         return Lesson(LIBRARY / by_number[number], language)
     numbers = ", ".join(map(str, by_number))
-    raise Refused(
-        Reason.BAD_VALUE,
+    raise bad_value(
         f"There is no lesson {number}: choose one of {numbers}. `beatrix lesson list` shows them.",
     )
 
@@ -132,4 +130,4 @@ def _read(path: Path, kind: type[T]) -> T:
     try:
         return msgspec.convert(tomllib.loads(path.read_text(encoding="utf-8")), kind)
     except (OSError, ValueError, msgspec.ValidationError) as error:
-        raise Refused(Reason.BAD_VALUE, f"{path} cannot be used: {error}.") from error
+        raise bad_value(f"{path} cannot be used: {error}.") from error

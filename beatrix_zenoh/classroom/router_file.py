@@ -22,8 +22,7 @@ from beatrix_zenoh.bus.router import EVERYTHING, ROOT, Grant, RouterAccess, belo
 from beatrix_zenoh.class_file import Classroom, read
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.contract.errors import wrong_usage
 from beatrix_zenoh.output import typed
 
 ROUTER = "@router"
@@ -129,23 +128,23 @@ def load(path: Path) -> RouterFile:
     try:
         table = files.toml(path, LONGEST)
     except OSError as error:
-        raise _wrong(f"{path} cannot be read: {error}.") from error
+        raise wrong_usage(f"{path} cannot be read: {error}.") from error
     if "role" in table:
         try:
             return msgspec.convert(table, RouterFile)
         except msgspec.ValidationError as error:
-            raise _wrong(
+            raise wrong_usage(
                 f"{path} is not a router file of this version: {error}. Run `beatrix classroom init` again."
             ) from error
     classroom, made = read(path), place(path)
     init = f"`{typed('beatrix', 'classroom', 'init', path)}`"
     if not made.is_file():
-        raise _wrong(f"Class {classroom.name} has no accounts yet: {made} is missing. Run {init} first.")
+        raise wrong_usage(f"Class {classroom.name} has no accounts yet: {made} is missing. Run {init} first.")
     file = load(made)
     shared = ("listen", "listen_seats", "seats", "robots")
     changed = any(getattr(file, name) != getattr(classroom, name) for name in shared)
     if changed or file.pictures_hz != classroom.router.pictures_hz:
-        raise _wrong(
+        raise wrong_usage(
             f"{path} has changed since the accounts were made. Run {init} again; it keeps existing accounts."
         )
     return file
@@ -154,10 +153,6 @@ def load(path: Path) -> RouterFile:
 def place(path: Path) -> Path:
     """Return the path of the router file of a class file; a router file's own path. Raises the errors of `load`."""
     return path if "role" in files.toml(path, LONGEST) else folder(path, read(path)) / "router.toml"
-
-
-def _wrong(text: str) -> WrongUsage:
-    return WrongUsage(Reason.BAD_VALUE, text)
 
 
 ANY = "*"

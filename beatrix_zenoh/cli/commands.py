@@ -25,7 +25,7 @@ from beatrix_zenoh.contract._generated.messages import (
     LeaseReply,
     Reason,
 )
-from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, WrongUsage, naming
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, naming, wrong_usage
 from beatrix_zenoh.output import exit_code, note, print_json, say
 from beatrix_zenoh.settings import Settings, resolve
 from beatrix_zenoh.terminal.options import Connect, Json, Name, Names, On, Wait, Which, Who
@@ -242,9 +242,7 @@ def _number(text: str) -> float | None:
     try:
         return None if text == "off" else float(text)
     except ValueError:
-        raise WrongUsage(
-            Reason.BAD_VALUE, f"{text!r} is not a number: give for example 20, or off."
-        ) from None
+        raise wrong_usage(f"{text!r} is not a number: give for example 20, or off.") from None
 
 
 def _govern(

@@ -13,8 +13,7 @@ import typer
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.cli.listing import show
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import bad_value
 from beatrix_zenoh.contract.names import SIDE_TITLES
 from beatrix_zenoh.motion.robot_file import load
 from beatrix_zenoh.output import say
@@ -117,7 +116,7 @@ def run(process: str, arguments: list[str]) -> int:
     """
     entries = metadata.entry_points(group=PROCESSES, name=process)
     if not entries:
-        raise Refused(Reason.BAD_VALUE, f"`beatrix {process}` is not installed. {install(process)}")
+        raise bad_value(f"`beatrix {process}` is not installed. {install(process)}")
     try:
         main = next(iter(entries)).load()
     except ModuleNotFoundError as error:

@@ -14,7 +14,7 @@ import typer
 from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused, WrongUsage
+from beatrix_zenoh.contract.errors import Refused, bad_value, wrong_usage
 from beatrix_zenoh.doctor.checks import CheckResult, network
 from beatrix_zenoh.doctor.computer import this_computer
 from beatrix_zenoh.output import FAILED, note, print_json, say
@@ -139,8 +139,7 @@ def ask(question: str, answers: Mapping[str, T]) -> T:
         line = sys.stdin.readline()
         if not line:
             note("")
-            raise WrongUsage(
-                Reason.BAD_VALUE,
+            raise wrong_usage(
                 "The input ended before all questions were answered. Repeat the command within sight of the robot.",
             )
         words = line.strip().lower()
@@ -158,8 +157,7 @@ def replug(seen: list[Observation]) -> list[str]:
     """
     turned = [arm for arm, _ in seen if arm is not None]
     if len(set(turned)) < len(turned):
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"You saw {', '.join(turned)}: each arm turns once. Repeat the command, and type none if no arm turns.",
         )
     advice = []

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import bad_value
 from beatrix_zenoh.lesson_files import NOT_MEASURED, asked, find
 from beatrix_zenoh.lessons import program as programs
 from beatrix_zenoh.lessons import progress
@@ -46,14 +45,13 @@ def turn(
     workspace = progress.workspace(Path.cwd())
     found = find(number, workspace.progress.language)
     if found.about.no_turn:
-        raise Refused(Reason.BAD_VALUE, f"Lesson {number} has no turn on the robot: {found.about.no_turn}")
+        raise bad_value(f"Lesson {number} has no turn on the robot: {found.about.no_turn}")
     passed = workspace.record(found.name).passed
     paths = workspace.programs(found.name)
     program = programs.read(paths[0]) if paths else None
     if program is None or progress.sealed(found.name, program.sha256) not in passed:
         what = "has changed since it passed" if passed and program is not None else "has not passed yet"
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"Your program of lesson {number} {what}; only one that passed on the simulation may take a turn. "
             f"`beatrix lesson check {number}` checks it.",
         )

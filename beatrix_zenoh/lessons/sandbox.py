@@ -21,8 +21,7 @@ from typing import Final
 import beatrix_zenoh
 from beatrix_zenoh import account, files
 from beatrix_zenoh.account import Account
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.contract.errors import BeatrixError, bad_value
 from beatrix_zenoh.lessons.guard import USED
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.processes import NEW_GROUP
@@ -144,8 +143,7 @@ def refuse_teacher(own: Account | None) -> None:
         with contextlib.suppress(BeatrixError):  # an invalid file is no account
             own = account.load(stored)
     if own is not None and own.role == "teacher":
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             "The account of this user is the teacher's, and a pupil's program could read it: it runs with the rights of the "
             "user who checks it. Check programs as another user of this computer, or on a seat's computer. On Linux with "
             "bubblewrap, `BEATRIX_ACCOUNT= beatrix lesson check` hides all accounts from the program.",

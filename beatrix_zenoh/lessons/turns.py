@@ -12,7 +12,7 @@ from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Subscription
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, Reason, Status
-from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, bad_value
 from beatrix_zenoh.lessons.guarded import Run
 from beatrix_zenoh.lessons.phrases import Unmet, said
 from beatrix_zenoh.lessons.program import Program
@@ -99,8 +99,7 @@ def _require_other_seat(robot: Robot, status: Status, seat: str) -> None:
 def _require_unchanged(program: Program) -> None:
     """Raise Refused (BAD_VALUE) if the file of a program is no longer what has passed."""
     if program.changed():
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"{program.path.name} was saved meanwhile, so it is not the program that has passed. Check it again, then take "
             "another turn.",
         )
@@ -153,8 +152,7 @@ def _run(program: Program, robot: Robot, lease: Lease, *, endless: bool) -> None
             for line in _printed(running.output):
                 say(f"  {line}")
     if not ended and not endless:
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"Your program did not end within {LONGEST_S - HOME_S:.0f} s, so it was ended: is there a `while True`?",
         )
     if ended:
@@ -209,7 +207,7 @@ def _check(running: Run) -> None:
     except Unmet as unmet:
         error = str(said(unmet.values.get("error", unmet.figure))).removesuffix(".")
         where = said(unmet.values.get("where", ""))
-        raise Refused(Reason.BAD_VALUE, f"Your program has ended with an error: {error}{where}.") from unmet
+        raise bad_value(f"Your program has ended with an error: {error}{where}.") from unmet
 
 
 def _end(robot: Robot, lease: Lease, *, home: bool) -> bool:

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import bad_value
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.files import new_file
 from beatrix_zenoh.output import FAILED, note, print_json, progress_bar, say
@@ -103,7 +102,7 @@ def compared(source: str, sim: Recording, hw: Recording) -> Comparison:
     try:
         return compare(sim, hw)
     except ValueError as error:
-        raise Refused(Reason.BAD_VALUE, f"{source}: {error}. Record or measure for longer.") from error
+        raise bad_value(f"{source}: {error}. Record or measure for longer.") from error
 
 
 def live(settings: Settings, seconds: float) -> tuple[Recording, Recording]:
@@ -144,12 +143,11 @@ def draw(path: Path, found: Comparison, title: str) -> None:
     try:
         from beatrix_zenoh.recording.plot import twin_figure
     except ModuleNotFoundError as error:
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f'--png needs {error.name}. Run `pip install ".[plot]"` in the folder of BEATRIX.',
         ) from error
     if path.suffix.lower() != ".png":
-        raise Refused(Reason.BAD_VALUE, f"--png {path}: the name must end in .png.")
+        raise bad_value(f"--png {path}: the name must end in .png.")
     with signals_interrupt(), new_file(path) as unfinished:
         twin_figure(found, title).savefig(unfinished, dpi=150)
     note(f"The plot is in {path}.")

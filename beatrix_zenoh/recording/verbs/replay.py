@@ -11,8 +11,7 @@ import typer
 
 from beatrix_zenoh.client import motion_file
 from beatrix_zenoh.client.degrees import FASTEST, SLOWEST, RobotInfo, checked_factor, robot_of
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
+from beatrix_zenoh.contract.errors import BeatrixError, wrong_usage
 from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.output import note, progress_bar
 from beatrix_zenoh.recording.verbs.files import RECORDING, only, read_recording
@@ -94,8 +93,8 @@ def read_path(file: Path) -> Callable[[str, RobotInfo], ArmPath]:
     try:
         read = motion_file.read(file)
     except OSError as error:
-        raise WrongUsage(
-            Reason.BAD_VALUE, f"{file} cannot be read: {error.strerror}. Name a motion file or a recording."
+        raise wrong_usage(
+            f"{file} cannot be read: {error.strerror}. Name a motion file or a recording."
         ) from error
     return lambda _name, info: path_of(read, MotionLimits(robot_of(info)))
 
