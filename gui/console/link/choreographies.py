@@ -92,7 +92,7 @@ class Playing(Program):
         self.check()
         following, *_ = [follow(path, robot) for robot in checked]
         self.check()
-        report(accepted(self.row, self.side, f"{self.title}: checked.", following.duration_s))
+        report(accepted(self.row, self.side, f"{self.title}: checked.", following.path.duration_s))
         replay(self._robots, following, lambda _passed_s: self.check(), lead_s=self._lead_s)
 
 
