@@ -1,8 +1,8 @@
 """Run a pupil's program, and kill all that it has started: `python -I -S guard.py COMMAND...`.
 
-The program's standard input is empty. Standard input of the guard is a
-pipe from the process that checks the program: each byte interrupts the program as Ctrl-C does, and its end, also if that
-process was killed, kills the program. The exit code is that of the program, 128 and the number of a signal that ended it.
+The program's standard input is empty. Standard input of the guard is a pipe from the process that checks the program:
+each byte interrupts the program as Ctrl-C does, and its end, also if that process was killed, kills the program. The
+exit code is that of the program, 128 and the number of a signal that ended it.
 The file USED in the home folder gets the processor time (s) of the program and of what it has started.
 A process of its own, because a program may let no other thread run.
 """
