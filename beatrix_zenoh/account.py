@@ -11,8 +11,7 @@ import msgspec
 
 from beatrix_zenoh import files
 from beatrix_zenoh.contract import codec, names
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import WrongUsage, quoted
+from beatrix_zenoh.contract.errors import WrongUsage, quoted, wrong_usage
 
 LONGEST = 32 * 1024
 """Largest size of an account file (bytes); one has 2 kB, and the teacher's also the names of 99 pupils."""
@@ -71,8 +70,7 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
         """Return the seat if this account may use it; otherwise raise WrongUsage (BAD_VALUE)."""
         if self.role == "teacher" or seat == self.name:
             return seat
-        raise WrongUsage(
-            Reason.BAD_VALUE,
+        raise wrong_usage(
             f"The account of this computer is {self.name}, of class {self.class_name}, and the router refuses its "
             f"requests under the seat {seat}. Leave out --who, BEATRIX_WHO and `who` in beatrix.toml, or join with the "
             f"file of {seat}.",
@@ -81,8 +79,7 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
     def check_muted(self, seat: str) -> None:
         """Raise WrongUsage (BAD_VALUE) if this is the teacher's account and its class has no such seat or robot."""
         if self.names and seat not in (*self.names, *self.robots, names.TEACHER):
-            raise WrongUsage(
-                Reason.BAD_VALUE,
+            raise wrong_usage(
                 f"Class {self.class_name} has no seat {quoted(seat)}. Its seats are: {', '.join(map(self.shown, self.names))}.",
             )
 
@@ -93,8 +90,7 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
     def check_served(self, robot: str) -> None:
         """Raise WrongUsage (BAD_VALUE) if this account may not serve a robot of this name."""
         if not self.may_serve(robot):
-            raise WrongUsage(
-                Reason.BAD_VALUE,
+            raise wrong_usage(
                 f"The account of this computer is {self.name}, of class {self.class_name}, and the router accepts only a "
                 f"robot of the same name from it, not {robot}. Leave out --name, or use the file of {robot}.",
             )
@@ -102,8 +98,7 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
     def check_time(self, today: dt.date) -> None:
         """Raise WrongUsage (BAD_VALUE) after the certificate's last day."""
         if today > self.expires:
-            raise WrongUsage(
-                Reason.BAD_VALUE,
+            raise wrong_usage(
                 f"{self.renewal(today)} The date of this computer is {today}; if it is wrong, set it instead.",
             )
 
@@ -182,8 +177,7 @@ def parse(text: str, called: str) -> Account:
 
 
 def _wrong(called: str, text: str) -> WrongUsage:
-    return WrongUsage(
-        Reason.BAD_VALUE,
+    return wrong_usage(
         f"{called} is not an account file: {text}. Use the file of your seat or robot, for example ana.toml, from the "
         "folder seats or robots that `beatrix classroom init` makes, or the text of the QR code on the card.",
     )

@@ -14,8 +14,7 @@ from beatrix_zenoh import files
 from beatrix_zenoh.account import Role
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.contract.errors import WrongUsage, wrong_usage
 
 LONGEST = 64 * 1024
 """Largest size of a class file (bytes)."""
@@ -36,7 +35,9 @@ ADDRESS = r"^[A-Za-z0-9.-]+$"
 
 class _Router(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     port: Annotated[int, Meta(ge=0, le=65534)] = 7447
+    """port of the router of robots and teacher"""
     pictures_hz: Annotated[float, Meta(ge=0.1, le=60)] = 5.0
+    """largest rate of pictures for each seat"""
 
 
 class Classroom(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -69,24 +70,14 @@ class Classroom(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return self.given if isinstance(self.given, dict) else {}
 
     @property
-    def port(self) -> int:
-        """Port of the router of robots and teacher."""
-        return self.router.port
-
-    @property
-    def pictures_hz(self) -> float:
-        """Largest rate of pictures for each seat."""
-        return self.router.pictures_hz
-
-    @property
     def listen(self) -> str:
         """Endpoints of the router of robots and teacher, in the order in which they try them."""
-        return self._endpoints(self.port)
+        return self._endpoints(self.router.port)
 
     @property
     def listen_seats(self) -> str:
         """Endpoints of the router of the seats: the next port."""
-        return self._endpoints(self.port + 1)
+        return self._endpoints(self.router.port + 1)
 
     def _endpoints(self, port: int) -> str:
         return ",".join(f"tls/{address}:{port}" for address in self.addresses)
@@ -139,4 +130,4 @@ def _check_names(path: Path, file: Classroom) -> None:
 
 def wrong(path: Path, text: str) -> WrongUsage:
     """Return the error for an invalid class file."""
-    return WrongUsage(Reason.BAD_VALUE, f"{path}: {text}.")
+    return wrong_usage(f"{path}: {text}.")

@@ -16,8 +16,7 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused, WrongUsage
+from beatrix_zenoh.contract.errors import bad_value, wrong_usage
 
 BARE = re.compile(r"[A-Za-z0-9_-]+")
 """Keys that TOML accepts without quotes."""
@@ -34,12 +33,11 @@ def content(path: Path, longest: int, form: str, called: str = "") -> bytes:
     """
     called = called or str(path)
     if path.exists() and not path.is_file():
-        raise WrongUsage(Reason.BAD_VALUE, f"{called} is not a regular file: choose a file in {form}.")
+        raise wrong_usage(f"{called} is not a regular file: choose a file in {form}.")
     with path.open("rb") as file:
         held = file.read(longest + 1)
     if len(held) > longest:
-        raise WrongUsage(
-            Reason.BAD_VALUE,
+        raise wrong_usage(
             f"{called} is longer than {longest} bytes: choose a file in {form} that is shorter.",
         )
     return held
@@ -55,8 +53,7 @@ def text(path: Path, longest: int, form: str, called: str = "") -> str:
     with contextlib.suppress(UnicodeDecodeError):
         if 0 not in held:  # as in UTF-16
             return held.decode("utf-8-sig")
-    raise WrongUsage(
-        Reason.BAD_VALUE,
+    raise wrong_usage(
         f"{called or path} is not text in UTF-8: save it again as {form} with the encoding UTF-8.",
     )
 
@@ -67,7 +64,7 @@ def toml(path: Path, longest: int, called: str = "") -> dict[str, object]:
     try:
         return tomllib.loads(held)
     except (ValueError, RecursionError) as error:
-        raise WrongUsage(Reason.BAD_VALUE, f"{called or path} cannot be read as TOML: {error}.") from error
+        raise wrong_usage(f"{called or path} cannot be read as TOML: {error}.") from error
 
 
 def user_folder(platform: str = sys.platform, environment: Mapping[str, str] = os.environ) -> Path:
@@ -112,9 +109,7 @@ def replace_when_complete(path: Path) -> Iterator[Path]:
 def check_new(path: Path) -> None:
     """Raise Refused if a file exists."""
     if path.exists():
-        raise Refused(
-            Reason.BAD_VALUE, f"{path} exists and is not overwritten. Name another file, or delete it."
-        )
+        raise bad_value(f"{path} exists and is not overwritten. Name another file, or delete it.")
 
 
 @contextlib.contextmanager
@@ -124,9 +119,7 @@ def new_file(path: Path) -> Iterator[Path]:
         with replace_when_complete(path) as unfinished:
             yield unfinished
     except OSError as error:
-        raise Refused(
-            Reason.BAD_VALUE, f"{path} cannot be written: {error.strerror or error}. Name another file."
-        ) from error
+        raise bad_value(f"{path} cannot be written: {error.strerror or error}. Name another file.") from error
 
 
 @contextlib.contextmanager

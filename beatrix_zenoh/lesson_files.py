@@ -10,8 +10,7 @@ from typing import Annotated, Final, TypeVar
 
 import msgspec
 
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import bad_value
 
 T = TypeVar("T", bound=msgspec.Struct)
 ENGLISH = "en"
@@ -74,41 +73,20 @@ class Lesson:
         self.name = folder.name
         self.number = int(folder.name.split("-")[0])
         self.about = _read(folder / "lesson.toml", LessonFile)
-        self._texts = _read(self._translated(folder / "hints.toml"), _Texts)
-
-    @property
-    def title(self) -> str:
-        """The title in the language of this lesson."""
-        return (self.about.title_de if self.language == "de" else "") or self.about.title
-
-    @property
-    def goal(self) -> str:
-        """What the pupil has to reach, in one sentence."""
-        return (self.about.goal_de if self.language == "de" else "") or self.about.goal
-
-    @property
-    def page(self) -> Path:
-        """The page for the pupil."""
-        return self._translated(self.folder / "lesson.md")
-
-    @property
-    def teacher_page(self) -> Path:
-        """The page for teachers."""
-        return self._translated(self.folder / "teacher.md")
-
-    @property
-    def hints(self) -> list[str]:
-        """The hints, the first to give first."""
-        return self._texts.hints
+        german = self.language == "de"
+        self.title = (german and self.about.title_de) or self.about.title
+        self.goal = (german and self.about.goal_de) or self.about.goal
+        """what the pupil has to reach, in one sentence"""
+        self.page = self._translated(folder / "lesson.md")
+        self.teacher_page = self._translated(folder / "teacher.md")
+        texts = _read(self._translated(folder / "hints.toml"), _Texts)
+        self.hints, self._figures = texts.hints, texts.figures
+        """the hints, the first to give first"""
 
     def figure(self, name: str) -> FigureTexts:
         """Return what to say about a figure: of this lesson, or of every lesson."""
-        if name in self._texts.figures:
-            return self._texts.figures[name]
-        return self._general().figures[name]
-
-    def _general(self) -> _Texts:
-        return _read(self._translated(LIBRARY / f"{GENERAL}.toml"), _Texts)
+        general = _read(self._translated(LIBRARY / f"{GENERAL}.toml"), _Texts)
+        return (general.figures | self._figures)[name]
 
     def _translated(self, path: Path) -> Path:
         translated = path.with_name(f"{path.stem}.{self.language}{path.suffix}")
@@ -131,8 +109,7 @@ def find(number: int, language: str = ENGLISH) -> Lesson:
     if number in by_number:
         return Lesson(LIBRARY / by_number[number], language)
     numbers = ", ".join(map(str, by_number))
-    raise Refused(
-        Reason.BAD_VALUE,
+    raise bad_value(
         f"There is no lesson {number}: choose one of {numbers}. `beatrix lesson list` shows them.",
     )
 
@@ -153,4 +130,4 @@ def _read(path: Path, kind: type[T]) -> T:
     try:
         return msgspec.convert(tomllib.loads(path.read_text(encoding="utf-8")), kind)
     except (OSError, ValueError, msgspec.ValidationError) as error:
-        raise Refused(Reason.BAD_VALUE, f"{path} cannot be used: {error}.") from error
+        raise bad_value(f"{path} cannot be used: {error}.") from error

@@ -14,8 +14,7 @@ from pathlib import Path
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.contract import printable
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.contract.errors import wrong_usage
 
 LOGGERS = ("beatrix_zenoh", "sim_node", "hw_node")
 CAPACITY = 10_000
@@ -132,12 +131,10 @@ def log_to(path: Path | None, *, named: bool = False) -> Iterator[None]:
 
 def _file(path: Path) -> logging.Handler:
     if path.is_fifo():  # opening it waits for a reader
-        raise WrongUsage(Reason.BAD_VALUE, f"--log-file {path} is a pipe. Name a file that can be written.")
+        raise wrong_usage(f"--log-file {path} is a pipe. Name a file that can be written.")
     try:
         handler = LogFile(path, encoding="utf-8")
     except OSError as error:
-        raise WrongUsage(
-            Reason.BAD_VALUE, f"--log-file {path}: {error.strerror}. Name a file that can be written."
-        ) from error
+        raise wrong_usage(f"--log-file {path}: {error.strerror}. Name a file that can be written.") from error
     handler.setFormatter(OneLine("%(asctime)s %(levelname)s %(name)s: %(message)s"))
     return handler

@@ -10,8 +10,7 @@ from pathlib import Path
 from beatrix_zenoh import account, files
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.contract import names
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.contract.errors import WrongUsage, wrong_usage
 
 DEFAULT_ENDPOINT = "tcp/127.0.0.1:7447"
 FILE = "beatrix.toml"
@@ -129,11 +128,10 @@ def _stored() -> dict[str, str]:
     try:
         table = files.toml(path, LONGEST, str(path.resolve()))
     except OSError as error:
-        raise WrongUsage(Reason.BAD_VALUE, f"{path.resolve()} cannot be read: {error}.") from error
+        raise wrong_usage(f"{path.resolve()} cannot be read: {error}.") from error
     unknown = set(table) - set(FIELDS)
     if unknown or not all(isinstance(value, str) for value in table.values()):
-        raise WrongUsage(
-            Reason.BAD_VALUE,
+        raise wrong_usage(
             f"{path.resolve()} has the fields {', '.join(table)}. Allowed are {', '.join(FIELDS)}, with text values.",
         )
     return {field: str(value) for field, value in table.items()}

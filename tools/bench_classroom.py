@@ -140,7 +140,7 @@ def program(*command: str, account: Path | None = None) -> Iterator[subprocess.P
 def recording(school: School) -> bytes:
     """Return the bytes that a program sends with the account of a seat to read the status of a robot."""
     account = accounts.load(school.path("seat03"))
-    with Cable("127.0.0.1", school.classroom.port + 1) as cable:
+    with Cable("127.0.0.1", school.classroom.router.port + 1) as cable:
         account = msgspec.structs.replace(account, connect=f"tls/127.0.0.1:{cable.port}")
         with Client(Settings(NAME, account.connect, "seat03", account=account)) as client:
             Robot(NAME, "hw", client=client).status()
@@ -183,7 +183,7 @@ def hostile_rows(school: School) -> Iterator[Row]:
     """Yield the times of STOP under attack. Afterwards the router opens no session for minutes (decision 0045)."""
     recorded = school.folder / "recorded"
     recorded.write_bytes(recording(school))
-    attack = ("attack", "127.0.0.1", str(school.classroom.port), str(recorded))
+    attack = ("attack", "127.0.0.1", str(school.classroom.router.port), str(recorded))
     with school.robot("teacher") as robot, bench_class_load.bare_router() as (_, endpoint):
         bare = Bare(endpoint)
         try:
@@ -237,7 +237,7 @@ def lease_rows(school: School) -> Iterator[Row]:
 def lost(school: School, following: Robot, what: str, number: int) -> tuple[float, float]:
     """Return the times of `handover` after the holder was killed, suspended or unplugged during a motion."""
     account = accounts.load(school.path("seat03"))
-    with Cable("127.0.0.1", school.classroom.port + 1) as cable:
+    with Cable("127.0.0.1", school.classroom.router.port + 1) as cable:
         path = school.folder / "seat03-relayed.toml"
         path.write_text(msgspec.structs.replace(account, connect=f"tls/127.0.0.1:{cable.port}").text())
         with program(str(ROOT / "tests/support/student_program.py"), account=path) as holder:

@@ -155,13 +155,13 @@ def print_replay(hw: Robot, done: Sequence[Positions]) -> None:
         replay(hw, following)
         time.sleep(SETTLE_S)
         again = recording(stream.take())
-    t: Floats = np.arange(-SETTLE_S, following.duration_s + SETTLE_S, 0.01)
+    t: Floats = np.arange(-SETTLE_S, following.path.duration_s + SETTLE_S, 0.01)
     path = following.path.at(t)
     first = Recording(t + begun(again, following.path.at(t), t), np.hstack([path, path]))
     found = compare(first, Recording(again.t, np.hstack([again.arms.angles, again.arms.angles])))
     arms = found.axes[:3]
     print(
-        f"replay of {following.duration_s:.1f} s, {len(following.targets)} targets: planned within {following.off_deg:.2f}°; "
+        f"replay of {following.path.duration_s:.1f} s, {len(following.targets)} targets: planned within {following.off_deg:.2f}°; "
         f"made with rms {max(axis.rms_after for axis in arms):.3f}°, largest {max(axis.largest_after for axis in arms):.2f}°"
     )
 

@@ -19,8 +19,7 @@ from beatrix_zenoh.bus.credentials import Identity
 from beatrix_zenoh.class_file import Classroom
 from beatrix_zenoh.classroom import certificates
 from beatrix_zenoh.classroom.router_file import ROUTER, RouterFile, load
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused, WrongUsage
+from beatrix_zenoh.contract.errors import WrongUsage, bad_value, wrong_usage
 
 AUTHORITY = "router-authority.pem"
 """File of the authority that signs the certificates of the router. In earlier versions one in `authority.pem` also signed
@@ -65,7 +64,7 @@ def init(classroom: Classroom, folder: Path) -> Made:
         files.write_private(folder / "cards.html", cards(classroom, accounts))
         files.write_private(folder / "connections.nft", connections(classroom))
     except OSError as error:
-        raise Refused(Reason.BAD_VALUE, f"Cannot write the files of the class: {error}.") from error
+        raise bad_value(f"Cannot write the files of the class: {error}.") from error
     present = [path for role in ("seats", "robots") for path in sorted((folder / role).glob("*.toml"))]
     return Made(changed, [path for path in present if path.stem not in classroom.accounts])
 
@@ -79,7 +78,7 @@ class _Signer:
             try:
                 self.authority = certificates.Authority.read(path.read_text(encoding="utf-8"))
             except ValueError as error:
-                raise WrongUsage(Reason.BAD_VALUE, f"{path} cannot be read: {error}.") from error
+                raise wrong_usage(f"{path} cannot be read: {error}.") from error
         else:
             self.authority = certificates.Authority.make(classroom.name)
             files.write_private(path, self.authority.text)
@@ -120,7 +119,7 @@ class _Signer:
             listen_seats=classroom.listen_seats,
             seats=classroom.seats,
             robots=classroom.robots,
-            pictures_hz=classroom.pictures_hz,
+            pictures_hz=classroom.router.pictures_hz,
             authority=self.authority.certificate,
             certificate=own.certificate,
             key=own.key,
@@ -153,8 +152,8 @@ def connections(classroom: Classroom) -> str:
     return CONNECTIONS.format(
         name=classroom.name,
         table=f"beatrix_{classroom.name.replace('-', '_')}",
-        port=classroom.port,
-        port_seats=classroom.port + 1,
+        port=classroom.router.port,
+        port_seats=classroom.router.port + 1,
     )
 
 

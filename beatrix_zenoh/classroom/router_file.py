@@ -17,14 +17,12 @@ import msgspec
 
 from beatrix_zenoh import files
 from beatrix_zenoh.account import Account
-from beatrix_zenoh.account import renewal as renewal_of
 from beatrix_zenoh.bus.credentials import Identity
 from beatrix_zenoh.bus.router import EVERYTHING, ROOT, Grant, RouterAccess, below
 from beatrix_zenoh.class_file import Classroom, read
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.contract.errors import wrong_usage
 from beatrix_zenoh.output import typed
 
 ROUTER = "@router"
@@ -64,8 +62,8 @@ class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """common name of the newest certificate of each account"""
     certificates: dict[str, str]
     """newest certificate (PEM) of each account"""
-    expires: dt.date | None = None
-    """last day of the first certificate that expires; None: the file is of an earlier version"""
+    expires: dt.date
+    """last day of the first certificate that expires"""
 
     def __repr__(self) -> str:
         """Return role and class without the secrets."""
@@ -94,16 +92,8 @@ class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     def account(self) -> Account:
         """Return the account with which a program of the routers' computer may send and receive everything."""
-        return Account(
-            self.class_name,
-            ROUTER,
-            "robot",
-            self.listen,
-            dt.date.max,
-            self.authority,
-            self.certificate,
-            self.key,
-        )
+        own = (self.authority, self.certificate, self.key)
+        return Account(self.class_name, ROUTER, "robot", self.listen, dt.date.max, *own)
 
     def own(self, part: Part) -> tuple[str, ...]:
         """Return the accounts that connect to one of the routers."""
@@ -123,11 +113,6 @@ class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         )
 
 
-def renewal(file: RouterFile, today: dt.date) -> str:
-    """Return when the accounts of a class expire, and what to do; empty while `init` would keep them."""
-    return "" if file.expires is None else renewal_of(file.class_name, file.expires, today)
-
-
 def folder(path: Path, classroom: Classroom) -> Path:
     """Return the folder of the files of a class: beside its class file, under the name of the class."""
     return path.parent / classroom.name
@@ -143,22 +128,23 @@ def load(path: Path) -> RouterFile:
     try:
         table = files.toml(path, LONGEST)
     except OSError as error:
-        raise _wrong(f"{path} cannot be read: {error}.") from error
+        raise wrong_usage(f"{path} cannot be read: {error}.") from error
     if "role" in table:
         try:
             return msgspec.convert(table, RouterFile)
         except msgspec.ValidationError as error:
-            raise _wrong(
+            raise wrong_usage(
                 f"{path} is not a router file of this version: {error}. Run `beatrix classroom init` again."
             ) from error
     classroom, made = read(path), place(path)
     init = f"`{typed('beatrix', 'classroom', 'init', path)}`"
     if not made.is_file():
-        raise _wrong(f"Class {classroom.name} has no accounts yet: {made} is missing. Run {init} first.")
+        raise wrong_usage(f"Class {classroom.name} has no accounts yet: {made} is missing. Run {init} first.")
     file = load(made)
-    shared = ("listen", "listen_seats", "seats", "robots", "pictures_hz")
-    if any(getattr(file, name) != getattr(classroom, name) for name in shared):
-        raise _wrong(
+    shared = ("listen", "listen_seats", "seats", "robots")
+    changed = any(getattr(file, name) != getattr(classroom, name) for name in shared)
+    if changed or file.pictures_hz != classroom.router.pictures_hz:
+        raise wrong_usage(
             f"{path} has changed since the accounts were made. Run {init} again; it keeps existing accounts."
         )
     return file
@@ -167,10 +153,6 @@ def load(path: Path) -> RouterFile:
 def place(path: Path) -> Path:
     """Return the path of the router file of a class file; a router file's own path. Raises the errors of `load`."""
     return path if "role" in files.toml(path, LONGEST) else folder(path, read(path)) / "router.toml"
-
-
-def _wrong(text: str) -> WrongUsage:
-    return WrongUsage(Reason.BAD_VALUE, text)
 
 
 ANY = "*"

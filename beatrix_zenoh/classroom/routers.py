@@ -21,7 +21,7 @@ import msgspec
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import threads
-from beatrix_zenoh.account import today
+from beatrix_zenoh.account import renewal, today
 from beatrix_zenoh.classroom import router_file
 from beatrix_zenoh.classroom.pending import PendingDecisions
 from beatrix_zenoh.classroom.reports import KeptReports
@@ -198,7 +198,7 @@ class ClassRouters:
     def say_ready(self) -> None:
         """Print where the routers listen, and whether accounts expire soon."""
         say(f"ready {self.file.listen} (seats: {self.file.listen_seats})")
-        if expiring := router_file.renewal(self.file, today()):
+        if expiring := renewal(self.file.class_name, self.file.expires, today()):
             note(expiring)
 
     def tend(self) -> None:

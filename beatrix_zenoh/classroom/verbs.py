@@ -14,7 +14,7 @@ from beatrix_zenoh import account as accounts
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.contract.errors import BeatrixError, bad_value
 from beatrix_zenoh.output import exit_code, note, say, typed
 from beatrix_zenoh.terminal.run import missing
 
@@ -101,8 +101,7 @@ def join(
     try:
         accounts.store(account)
     except OSError as error:
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"Cannot store the account: {error}. Check the permissions and the free space of {place.parent}.",
         ) from error
     say(f"Joined class {account.class_name} as {account.name}. Router: {account.connect}.{before}")

@@ -25,33 +25,33 @@ from beatrix_zenoh.contract._generated.messages import (
     LeaseReply,
     Reason,
 )
-from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, WrongUsage, naming
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, naming, wrong_usage
 from beatrix_zenoh.output import exit_code, note, print_json, say
-from beatrix_zenoh.settings import resolve
-from beatrix_zenoh.terminal.options import Connect, Json, Name, Names, On, Which, Who
+from beatrix_zenoh.settings import Settings, resolve
+from beatrix_zenoh.terminal.options import Connect, Json, Name, Names, On, Wait, Which, Who
 from beatrix_zenoh.terminal.states import some
-from beatrix_zenoh.terminal.targets import Selection, open_targets
+from beatrix_zenoh.terminal.targets import open_robots
 
 
 def enable(
     name: Name = None, connect: Connect = None, who: Who = None, on: On = None, as_json: Json = False
 ) -> None:
     """Switch the motors on. Calibrate afterwards; after an emergency stop reset first."""
-    command(Selection(name, connect, who), on, Command.ENABLE, as_json=as_json)
+    command(resolve(name, connect, who), on, Command.ENABLE, as_json=as_json)
 
 
 def disable(
     name: Name = None, connect: Connect = None, who: Who = None, on: On = None, as_json: Json = False
 ) -> None:
     """Switch the motors off. The head may sink, and the robot must be calibrated again."""
-    command(Selection(name, connect, who), on, Command.ENABLE, value=False, as_json=as_json)
+    command(resolve(name, connect, who), on, Command.ENABLE, value=False, as_json=as_json)
 
 
 def calibrate(
     name: Name = None, connect: Connect = None, who: Who = None, on: On = None, as_json: Json = False
 ) -> None:
     """Declare the present position home. Set the head upright and straight ahead first."""
-    command(Selection(name, connect, who), on, Command.CALIBRATE, as_json=as_json)
+    command(resolve(name, connect, who), on, Command.CALIBRATE, as_json=as_json)
 
 
 def reset(
@@ -62,7 +62,7 @@ def reset(
     Without --on it resets both simulation and robot, as `beatrix stop --emergency` stops both. Afterwards set the head
     upright, enable and calibrate.
     """
-    command(Selection(name, connect, who), on, Command.RESET, as_json=as_json)
+    command(resolve(name, connect, who), on, Command.RESET, as_json=as_json)
 
 
 class Switch(StrEnum):
@@ -83,16 +83,15 @@ def follow(
 
     While it follows, its own motions and previews are refused; STOP of the simulation also ends it.
     """
-    with open_targets(Selection(name, connect, who), Which.SIM, acts=True) as targets:
-        ask_each(targets.robots(), lambda robot: robot.follow(switch is Switch.ON), as_json=as_json)
+    with open_robots(resolve(name, connect, who), Which.SIM, acts=True) as robots:
+        ask_each(robots, lambda robot: robot.follow(switch is Switch.ON), as_json=as_json)
 
 
 def command(
-    selection: Selection, which: Which | None, what: Command, *, as_json: bool, value: bool = True
+    settings: Settings, which: Which | None, what: Command, *, as_json: bool, value: bool = True
 ) -> None:
     """Send one command to the robots selected, the simulation first."""
-    with open_targets(selection, which, acts=True, both=what is Command.RESET) as targets:
-        robots = targets.robots()
+    with open_robots(settings, which, acts=True, both=what is Command.RESET) as robots:
         if len(robots) > 1 and value and what is not Command.RESET:
             for robot in robots:
                 check_seat(robot, moves=False)
@@ -129,9 +128,7 @@ def lease(
     what: Annotated[
         What, typer.Argument(help="take: hold the robot until Ctrl-C. give-back: end your lease.")
     ],
-    wait: Annotated[
-        float, typer.Option(min=0.0, metavar="SECONDS", help="Wait in the queue for up to this long.")
-    ] = 0.0,
+    wait: Wait = 0.0,
     name: Name = None,
     connect: Connect = None,
     who: Who = None,
@@ -142,8 +139,7 @@ def lease(
     Only the seat that has taken a robot and the teacher can move it.
     While `beatrix lease take` runs, every program of your seat may move the robot. `beatrix ls` shows the holder.
     """
-    with open_targets(Selection(name, connect, who), on, acts=True) as targets:
-        robots = targets.robots()
+    with open_robots(resolve(name, connect, who), on, acts=True) as robots:
         if what is What.GIVE_BACK:
             for robot in robots:
                 say(f"{robot}: {leases.ask(robot, LeaseAction.GIVE_BACK).message}")
@@ -152,7 +148,7 @@ def lease(
             note(f"Taking the robot, or waiting for it for up to {wait:g} s. Ctrl-C leaves the queue.")
         held = [robot.lease(wait) for robot in robots]
         for robot in robots:
-            say(f"{robot}: held by {targets.client.settings.who}. Ctrl-C gives it back.")
+            say(f"{robot}: held by {robot.client.settings.who}. Ctrl-C gives it back.")
         try:
             _hold(robots)
         finally:
@@ -246,9 +242,7 @@ def _number(text: str) -> float | None:
     try:
         return None if text == "off" else float(text)
     except ValueError:
-        raise WrongUsage(
-            Reason.BAD_VALUE, f"{text!r} is not a number: give for example 20, or off."
-        ) from None
+        raise wrong_usage(f"{text!r} is not a number: give for example 20, or off.") from None
 
 
 def _govern(

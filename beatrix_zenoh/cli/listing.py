@@ -16,7 +16,6 @@ from beatrix_zenoh.client.lease import pending
 from beatrix_zenoh.client.monitor import Monitor, Presence, RobotState, Seats, SeatStops, stops_by_seat
 from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.contract import printable
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Info
 from beatrix_zenoh.contract.values import as_data, grouped
@@ -24,18 +23,15 @@ from beatrix_zenoh.output import STDOUT, columns, print_json, say
 from beatrix_zenoh.settings import Settings, resolve
 from beatrix_zenoh.terminal.options import Connect, Json, Name, On, Who
 from beatrix_zenoh.terminal.states import (
-    CELL,
-    PROBLEM,
     ListedRobot,
     look_up,
     problems,
-    short,
     some,
     state,
     state_row,
     unlike_notes,
 )
-from beatrix_zenoh.terminal.targets import Selection, open_targets
+from beatrix_zenoh.terminal.targets import open_robots
 
 VALUE_HEADS = ("group", "value", "now")
 LIST_HEADS = ("robot", "side", "state", "driver", "version", "firmware")
@@ -57,7 +53,7 @@ def ls(connect: Connect = None, who: Who = None, as_json: Json = False) -> None:
 def show(found: list[ListedRobot]) -> None:
     """Print a table of robots, and their warnings below it."""
     rows = [
-        short(
+        (
             *robot.place,
             "does not answer" if robot.status is None else state(robot.status),
             "-" if robot.status is None else robot.status.holder or "-",
@@ -87,8 +83,8 @@ def status(
     name: Name = None, connect: Connect = None, who: Who = None, on: On = None, as_json: Json = False
 ) -> None:
     """Show all values of a robot, in groups. Angles are in degrees."""
-    with open_targets(Selection(name, connect, who), on) as targets:
-        found = [robot.status() for robot in targets.robots()]
+    with open_robots(resolve(name, connect, who), on) as robots:
+        found = [robot.status() for robot in robots]
     if as_json:
         print_json({"result": True, "robots": [state_row(status) for status in found]})
         return
@@ -100,11 +96,7 @@ def status(
 def show_values(message: Struct, groups: Sequence[str] = ()) -> None:
     """Print a table of the values of a message, or of some groups; the first value of a group begins with its name."""
     rows = [
-        (
-            printable.line(group, CELL) if one is members[0] else "",
-            one.title,
-            printable.line(one.text(), PROBLEM),
-        )
+        (group if one is members[0] else "", one.title, one.text())
         for group, members in grouped(message).items()
         if not groups or group in groups
         for one in members
@@ -116,10 +108,10 @@ def info(
     name: Name = None, connect: Connect = None, who: Who = None, on: On = None, as_json: Json = False
 ) -> None:
     """Show versions, limits, commands and keys. Programs in other languages need only this. Angles are in degrees."""
-    with open_targets(Selection(name, connect, who), on) as targets:
+    with open_robots(resolve(name, connect, who), on) as robots:
         infos = [
             ask(robot.client, robot.place, keys.info(*robot.place), None, Info, robot.timeout_s)
-            for robot in targets.robots()
+            for robot in robots
         ]
     if as_json:
         print_json({"result": True, "robots": [as_data(info) for info in infos]})
@@ -197,7 +189,7 @@ def cells(settings: Settings, robot: RobotState) -> tuple[str, ...]:
     angles = ("-", "-", "-") if head is None else tuple(f"{angle:z.1f}" for angle in head)
     silent = "-" if age_s is None else f"{age_s:.2f} s"
     driver = settings.shown(robot.status.holder) if robot.status else ""
-    return short(robot.robot, robot.side, state_of(robot), *angles, f"{robot.hz:.1f}", silent, driver or "-")
+    return (robot.robot, robot.side, state_of(robot), *angles, f"{robot.hz:.1f}", silent, driver or "-")
 
 
 def decisions(client: Client) -> list[str]:

@@ -21,12 +21,12 @@ from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.client.twin_motion import TwinMotion
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Source
 from beatrix_zenoh.output import note, say
-from beatrix_zenoh.terminal.options import Connect, Json, Name, On, Which, Who
+from beatrix_zenoh.settings import Settings, resolve
+from beatrix_zenoh.terminal.options import Connect, Json, Lead, Name, On, Which, Who
 from beatrix_zenoh.terminal.targets import (
-    Selection,
-    Targets,
     check_lead,
-    open_targets,
+    one_or_twin,
+    open_robots,
     show_positions,
     stop_on_interrupt,
 )
@@ -48,14 +48,6 @@ NoWait = Annotated[
         "--no-wait", help="Exit once the motion is accepted; it continues, and Ctrl-C does not stop it."
     ),
 ]
-Lead = Annotated[
-    float,
-    typer.Option(
-        metavar="S",
-        help="With --on both: the hardware starts this many seconds after the simulation. Until then, Ctrl-C "
-        "prevents its start.",
-    ),
-]
 
 
 def look(
@@ -74,9 +66,7 @@ def look(
 ) -> None:
     """Turn the head to yaw, pitch and roll. Angles are in degrees; those not given are 0. Ctrl-C stops the head."""
     query = pose_query(yaw, pitch, roll, relative=relative, speed=speed)
-    check_lead(lead, on)
-    with open_targets(Selection(name, connect, who), on, acts=True) as targets:
-        carry_out(targets, query, lead, no_wait=no_wait, as_json=as_json)
+    carry_out(resolve(name, connect, who), on, query, lead, no_wait=no_wait, as_json=as_json)
 
 
 def move(
@@ -95,9 +85,7 @@ def move(
 ) -> None:
     """Turn the three arms. Angles are in degrees from home, positive counter-clockwise. Ctrl-C stops the arms."""
     query = motion_query(short, middle, long, relative=relative, speed=arm_speed(speed))
-    check_lead(lead, on)
-    with open_targets(Selection(name, connect, who), on, acts=True) as targets:
-        carry_out(targets, query, lead, no_wait=no_wait, as_json=as_json)
+    carry_out(resolve(name, connect, who), on, query, lead, no_wait=no_wait, as_json=as_json)
 
 
 def home(
@@ -105,8 +93,7 @@ def home(
 ) -> None:
     """Turn the head home. All arms turn to 0 degrees; Ctrl-C stops them."""
     query = motion_query(0, 0, 0, relative=False, speed=None)
-    with open_targets(Selection(name, connect, who), on, acts=True) as targets:
-        carry_out(targets, query, 0.0, no_wait=False, as_json=as_json)
+    carry_out(resolve(name, connect, who), on, query, as_json=as_json)
 
 
 def arm_speed(text: str | None) -> float | list[float] | None:
@@ -125,30 +112,42 @@ def arm_speed(text: str | None) -> float | list[float] | None:
 
 
 def carry_out(
-    targets: Targets, query: MotionQuery | PoseQuery, lead_s: float, *, no_wait: bool, as_json: bool
+    settings: Settings,
+    on: Which | None,
+    query: MotionQuery | PoseQuery,
+    lead_s: float = 0.0,
+    *,
+    no_wait: bool = False,
+    as_json: bool,
 ) -> None:
     """Carry out a motion on the robots selected and print their positions; a motion of both is previewed first.
 
     With `no_wait`, begin the motion only; the text output is then the robot's message instead of the positions.
     """
-    robots = targets.robots()
-    if len(robots) > 1 and no_wait:
+    check_lead(lead_s, on)
+    if no_wait and on is Which.BOTH:
         raise typer.BadParameter("--no-wait needs one robot: use --on sim or --on hw.")
-    if no_wait:
-        sentence = begin_detached(robots[0], query)
-        if not as_json:
-            say(f"{robots[0]}: {sentence}")
-            return
-    elif len(robots) > 1:
-        with stop_on_interrupt(robots, as_json=as_json):
-            commit(targets, query, lead_s)
-    else:
-        with stop_on_interrupt(robots, as_json=as_json):
-            motion = robots[0].begin(query)
-            end = motion.wait()
-        if not (query.absolute or motion.duration):
-            note(end.message)  # the arms do not turn yet
-    show_positions(robots, as_json=as_json)
+    with open_robots(settings, on, acts=True) as robots:
+        if no_wait:
+            sentence = begin_detached(robots[0], query)
+            if not as_json:
+                say(f"{robots[0]}: {sentence}")
+                return
+        else:
+            with stop_on_interrupt(robots, as_json=as_json), one_or_twin(robots) as robot:
+                if isinstance(robot, Robot):
+                    begin(robot, query)
+                else:
+                    commit(robot, query, lead_s)
+        show_positions(robots, as_json=as_json)
+
+
+def begin(robot: Robot, query: MotionQuery | PoseQuery) -> None:
+    """Carry out a motion of one robot; print a note if the arms do not turn yet."""
+    motion = robot.begin(query)
+    end = motion.wait()
+    if not (query.absolute or motion.duration):
+        note(end.message)
 
 
 def begin_detached(robot: Robot, query: MotionQuery | PoseQuery) -> str:
@@ -166,26 +165,19 @@ def begin_detached(robot: Robot, query: MotionQuery | PoseQuery) -> str:
         return detached.begin(query).accepted.message
 
 
-def commit(targets: Targets, query: MotionQuery | PoseQuery, lead_s: float) -> None:
+def commit(twin: Twin, query: MotionQuery | PoseQuery, lead_s: float) -> None:
     """Preview the motion on a copy of the simulation, print the result, then carry it out on both; Ctrl-C cancels it."""
-    with twin_of(targets) as twin:
-        plan = twin.preview_query(structs.replace(query, source=Source.CLI))
-        note(f"Preview: {plan.verdict}")
-        motion = plan.commit(lead_s, wait=False)
-        if lead_s:
-            note(f"The hardware moves in {lead_s:g} s, unless you press Ctrl-C before then.")
-        try:
-            motion.result()
-        except KeyboardInterrupt as interrupt:
-            raise KeyboardInterrupt(cancelled(motion)) from interrupt
-        if lead_s and motion.lag_s is not None:
-            note(f"The hardware began {motion.lag_s:.2f} s after the simulation.")
-
-
-def twin_of(targets: Targets) -> Twin:
-    """Return both robots selected, with sessions of their own."""
-    settings = targets.client.settings
-    return Twin(targets.name, connect=settings.connect, who=settings.who)
+    plan = twin.preview_query(structs.replace(query, source=Source.CLI))
+    note(f"Preview: {plan.verdict}")
+    motion = plan.commit(lead_s, wait=False)
+    if lead_s:
+        note(f"The hardware moves in {lead_s:g} s, unless you press Ctrl-C before then.")
+    try:
+        motion.result()
+    except KeyboardInterrupt as interrupt:
+        raise KeyboardInterrupt(cancelled(motion)) from interrupt
+    if lead_s and motion.lag_s is not None:
+        note(f"The hardware began {motion.lag_s:.2f} s after the simulation.")
 
 
 def cancelled(motion: TwinMotion) -> str:
@@ -206,13 +198,7 @@ def play(
         Path,
         typer.Argument(metavar="FILE", help="A choreography (CSV), or the name of a gesture, such as yes."),
     ],
-    lead: Annotated[
-        float,
-        typer.Option(
-            metavar="S",
-            help="With --on both: the hardware starts each pose this many seconds after the simulation.",
-        ),
-    ] = 0.0,
+    lead: Lead = 0.0,
     lockstep: Annotated[
         bool,
         typer.Option("--lockstep", help="With --on both: the robots wait for each other at every pose."),
@@ -239,15 +225,10 @@ def play(
         raise typer.BadParameter("--lockstep needs --on both: the robots wait for each other.")
     if lockstep and lead:
         raise typer.BadParameter("--lockstep and --lead exclude each other: omit one.")
-    with open_targets(Selection(name, connect, who), on, acts=True) as targets:
-        robots = targets.robots()
+    with open_robots(resolve(name, connect, who), on, acts=True) as robots:
         check(found, robots)
-        with stop_on_interrupt(robots, as_json=as_json):
-            if len(robots) > 1:
-                with twin_of(targets) as twin:
-                    perform(twin, found, progress(found), lead_s=lead, lockstep=lockstep)
-            else:
-                perform(robots[0], found, progress(found))
+        with stop_on_interrupt(robots, as_json=as_json), one_or_twin(robots) as both:
+            perform(both, found, progress(found), lead_s=lead, lockstep=lockstep)
         show_positions(robots, as_json=as_json)
 
 

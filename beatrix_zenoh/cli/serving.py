@@ -13,17 +13,16 @@ import typer
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.cli.listing import show
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import bad_value
 from beatrix_zenoh.contract.names import SIDE_TITLES
 from beatrix_zenoh.motion.robot_file import load
-from beatrix_zenoh.output import print_json, say
+from beatrix_zenoh.output import say
 from beatrix_zenoh.processes import Role, Supervisor, advice, end_on_interrupt, start_router, watch
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT, Settings, resolve
 from beatrix_zenoh.shutdown import Shutdown, signals_interrupt
-from beatrix_zenoh.terminal.options import Connect, Json, Legacy, LogFile, OwnName, RobotFile
+from beatrix_zenoh.terminal.options import Connect, Legacy, LogFile, OwnName, RobotFile
 from beatrix_zenoh.terminal.run import install, missing
-from beatrix_zenoh.terminal.states import ListedRobot, look_up, problems
+from beatrix_zenoh.terminal.states import ListedRobot, look_up
 
 PROCESSES = "beatrix.processes"
 """Group of entry points of the programs in sim_node, hw_node and gui, which this package must not import."""
@@ -117,7 +116,7 @@ def run(process: str, arguments: list[str]) -> int:
     """
     entries = metadata.entry_points(group=PROCESSES, name=process)
     if not entries:
-        raise Refused(Reason.BAD_VALUE, f"`beatrix {process}` is not installed. {install(process)}")
+        raise bad_value(f"`beatrix {process}` is not installed. {install(process)}")
     try:
         main = next(iter(entries)).load()
     except ModuleNotFoundError as error:
@@ -156,7 +155,6 @@ def up(
     log_file: LogFile = None,
     name: OwnName = None,
     connect: Connect = None,
-    as_json: Json = False,
 ) -> None:
     """Start router, simulation and robot together.
 
@@ -177,12 +175,10 @@ def up(
     for side in sides:
         programs[side] = options[side] + given("--robot-file", robot_file) + log_words(log_file, side)
     programs[sides[-1]] += given("--legacy", legacy)
-    run_programs(settings, programs, legacy, as_json=as_json)
+    run_programs(settings, programs, legacy)
 
 
-def run_programs(
-    settings: Settings, programs: Mapping[str, Sequence[str]], legacy: Path | None, *, as_json: bool
-) -> None:
+def run_programs(settings: Settings, programs: Mapping[str, Sequence[str]], legacy: Path | None) -> None:
     """Run programs, and a router if none answers, until Ctrl-C; print the robots, and what to type next."""
     with signals_interrupt() as shutdown, Supervisor() as supervisor:
         router = start_router(supervisor, settings.connect, settings.account)
@@ -191,14 +187,11 @@ def run_programs(
             found = look_up(client)
         supervisor.new_lines()  # discards the output so far: the table shows the state and the warnings
         with end_on_interrupt():
-            if as_json:
-                show_json(supervisor, settings, found)
-            else:
-                say(f"router {settings.connect}: {router}")
-                show(found)
-                if legacy is not None:
-                    say(f"Programs of 2023 open {legacy.absolute()} and drive the {TITLES[[*programs][-1]]}.")
-                say(advice(settings.connect, verbs(settings.robot, found), supervisor.folder))
+            say(f"router {settings.connect}: {router}")
+            show(found)
+            if legacy is not None:
+                say(f"Programs of 2023 open {legacy.absolute()} and drive the {TITLES[[*programs][-1]]}.")
+            say(advice(settings.connect, verbs(settings.robot, found), supervisor.folder))
             watch(supervisor, shutdown)
 
 
@@ -219,18 +212,6 @@ def start_programs(supervisor: Supervisor, settings: Settings, programs: Mapping
         where = ("--name", settings.robot, "--connect", settings.connect)
         supervisor.start(TITLES[verb], verb, *where, *words, role=role)
     supervisor.wait_ready()
-
-
-def show_json(supervisor: Supervisor, settings: Settings, found: Sequence[ListedRobot]) -> None:
-    """Print the running processes and the warnings as JSON."""
-    print_json({
-        "result": True,
-        "endpoint": settings.connect,
-        "robot": settings.robot,
-        "running": [child.title for child in supervisor.children],
-        "warnings": [f"{robot}: {' '.join(text)}" for robot in found if (text := problems(robot.status))],
-        "logs": str(supervisor.folder),
-    })  # fmt: skip
 
 
 def verbs(name: str, found: Sequence[ListedRobot]) -> list[str]:

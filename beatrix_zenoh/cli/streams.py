@@ -36,9 +36,10 @@ from beatrix_zenoh.contract.rows import KeyRow
 from beatrix_zenoh.contract.sentences.events import sentence
 from beatrix_zenoh.contract.values import as_data, values
 from beatrix_zenoh.output import columns, print_json, say
+from beatrix_zenoh.settings import resolve
 from beatrix_zenoh.terminal.options import Connect, Json, Name, On, Who, finite
 from beatrix_zenoh.terminal.states import problems, state, state_row
-from beatrix_zenoh.terminal.targets import Selection, degrees, open_targets
+from beatrix_zenoh.terminal.targets import degrees, open_robots
 
 T = TypeVar("T")
 BASE = "beatrix/{robot}/{side}/state/"
@@ -119,12 +120,12 @@ def echo(
     simulation and robot are printed. The last ten events, or --count of them, come first. For a picture the number,
     size and source are printed, for sound the header of each block.
     """
-    with open_targets(Selection(name, connect, who), on, both=stream == EVENTS) as targets:
-        robots = targets.robots()
+    with open_robots(resolve(name, connect, who), on, both=stream == EVENTS) as robots:
         for robot in robots:
             robot.status()  # raises NoAnswer for a robot that is not online
-        side = targets.sides[0] if len(robots) == 1 else "*"
-        arrivals = subscribe(targets.client, stream.value, targets.name, side).arrivals()
+        first = robots[0]
+        side = first.side if len(robots) == 1 else "*"
+        arrivals = subscribe(first.client, stream.value, first.name, side).arrivals()
         past: list[tuple[Place, object]] = []
         if stream == EVENTS:
             events = [(robot.place, event) for robot in robots for event in robot.past_events()]
@@ -211,11 +212,10 @@ def hz(
     as_json: Json = False,
 ) -> None:
     """Measure rate, jitter, age and losses of a stream."""
-    with open_targets(Selection(name, connect, who), on) as targets:
-        robots = targets.robots()
-        offsets = [clock_offsets(targets.client, *robot.place).wall.offset for robot in robots]
+    with open_robots(resolve(name, connect, who), on) as robots:
+        offsets = [clock_offsets(robot.client, *robot.place).wall.offset for robot in robots]
         subscriptions = [
-            cast("Subscription[Numbered]", subscribe(targets.client, stream.value, *robot.place))
+            cast("Subscription[Numbered]", subscribe(robot.client, stream.value, *robot.place))
             for robot in robots
         ]
         arrivals: list[list[Arrival[Numbered]]] = [[] for _ in robots]

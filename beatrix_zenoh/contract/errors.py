@@ -83,3 +83,13 @@ def naming(robot: str) -> Iterator[None]:
 def quoted(text: str) -> str:
     """Return a text in quotes, at most QUOTED characters of it."""
     return repr(text if len(text) <= QUOTED else text[:QUOTED] + "…")
+
+
+def bad_value(message: str) -> Refused:
+    """Return a BAD_VALUE refusal that is a sentence only: what is wrong, and what to do."""
+    return Refused(Reason.BAD_VALUE, message)
+
+
+def wrong_usage(message: str) -> WrongUsage:
+    """Return the same error as `bad_value` for what is rejected without sending a request."""
+    return WrongUsage(Reason.BAD_VALUE, message)

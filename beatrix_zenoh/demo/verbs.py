@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import bad_value
 from beatrix_zenoh.files import new_file
 from beatrix_zenoh.output import FAILED, note, print_json, say, typed
 from beatrix_zenoh.processes import Role, Supervisor, advice, end_on_interrupt, watch
@@ -96,7 +95,7 @@ def make_folder(out: Path) -> None:
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise Refused(Reason.BAD_VALUE, f"--out {out}: {error.strerror}. Name another folder.") from error
+        raise bad_value(f"--out {out}: {error.strerror}. Name another folder.") from error
 
 
 def start(supervisor: Supervisor) -> Settings:

@@ -9,7 +9,6 @@ from typing import NamedTuple
 from beatrix_zenoh.account import days_left, today
 from beatrix_zenoh.client.monitor import Monitor
 from beatrix_zenoh.client.plan import unlike
-from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.robot_base import clock_offsets
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.contract._generated import keys
@@ -110,18 +109,17 @@ def missing(name: str, others: list[str]) -> CheckResult:
 
 def one_robot(client: Client, listed_robot: ListedRobot, hz: float) -> Iterator[CheckResult]:
     """Yield findings about a robot; `hz` is its rate of positions."""
-    name, robot = str(listed_robot), Robot(*listed_robot.place, client=client)
-    try:
-        status = robot.status()
-    except BeatrixError as error:
-        yield CheckResult(name, "online, but does not answer", error.message)
+    name, status = str(listed_robot), listed_robot.status
+    text = " ".join(problems(status))
+    if status is None:
+        yield CheckResult(name, "online, but does not answer", text)
         return
-    text, well = " ".join(problems(status)), status.fault is Fault.NONE
+    well = status.fault is Fault.NONE
     yield CheckResult(
         name, f"answers, {state(status)}", todo="" if well else text, advice=text if well else ""
     )
     yield rate(name, hz)
-    yield clock(robot)
+    yield clock(client, listed_robot)
     if listed_robot.info is not None:
         yield contract(name, listed_robot.info)
     yield from devices(name, status)
@@ -171,10 +169,10 @@ def unlike_sides(infos: Mapping[Place, Info]) -> Iterator[CheckResult]:
             )
 
 
-def clock(robot: Robot) -> CheckResult:
+def clock(client: Client, robot: ListedRobot) -> CheckResult:
     """Return a finding about the offset of the robot's wall clock from that of this computer."""
     try:
-        offset, bound = clock_offsets(robot.client, robot.name, robot.side).wall
+        offset, bound = clock_offsets(client, *robot.place).wall
     except BeatrixError as error:
         return CheckResult(str(robot), "clock offset unknown", error.message)
     ahead = "ahead" if offset > 0 else "behind"

@@ -68,12 +68,12 @@ def packages() -> Iterator[CheckResult]:
         title = f"extra {extra}" if extra else "core"
         present = ", ".join(f"{name} {number}" for name, number in found.items() if number)
         install = f'pip install "{f".[{extra}]" if extra else "."}" in the folder of BEATRIX'
-        if wrong:
-            yield CheckResult(title, present, f"it needs {', '.join(wrong)}: {install}")
-        elif missing:
-            yield CheckResult(title, f"without {', '.join(missing)}", advice=f"if you need it: {install}")
-        else:
-            yield CheckResult(title, present)
+        yield CheckResult(
+            title,
+            f"without {', '.join(missing)}" if missing else present,
+            f"it needs {', '.join(wrong)}: {install}" if wrong else "",
+            f"if you need it: {install}" if missing else "",
+        )
 
 
 def version(name: str) -> str | None:

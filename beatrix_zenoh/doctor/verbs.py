@@ -14,14 +14,13 @@ import typer
 from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract._generated.robot import ALLOWED, ROBOT
-from beatrix_zenoh.contract.errors import Refused, WrongUsage
+from beatrix_zenoh.contract.errors import Refused, bad_value, wrong_usage
 from beatrix_zenoh.doctor.checks import CheckResult, network
 from beatrix_zenoh.doctor.computer import this_computer
 from beatrix_zenoh.output import FAILED, note, print_json, say
-from beatrix_zenoh.settings import resolve
+from beatrix_zenoh.settings import Settings, resolve
 from beatrix_zenoh.terminal.options import Connect, Json, Name, Which, Who
-from beatrix_zenoh.terminal.targets import Selection, open_targets, stop_on_interrupt
+from beatrix_zenoh.terminal.targets import open_robots, stop_on_interrupt
 
 MARKS = {"ok": "ok", "advice": "-", "todo": "!"}
 
@@ -38,7 +37,7 @@ def doctor(
 ) -> None:
     """Check router, account and robots, then this computer. The exit code is 1 if something must be done."""
     if by_jog:
-        jog(Selection(name, connect, who), as_json=as_json)
+        jog(resolve(name, connect, who), as_json=as_json)
         return
     settings = resolve(None, connect, who)
     sections = [(settings.connect, [*network(settings, name)]), ("this computer", [*this_computer()])]
@@ -86,7 +85,7 @@ class Observation(NamedTuple):
     counter_clockwise: bool
 
 
-def jog(selection: Selection, *, as_json: bool) -> None:
+def jog(settings: Settings, *, as_json: bool) -> None:
     """Turn one arm after the other, ask the user about each, and print what to do.
 
     The exit code is 1 if there is something to do.
@@ -95,8 +94,7 @@ def jog(selection: Selection, *, as_json: bool) -> None:
         Refused: the robot cannot move, with its reason, or the user named an arm twice.
         WrongUsage: standard input has ended.
     """
-    with open_targets(selection, Which.HW) as targets:
-        (robot,) = targets.robots()
+    with open_robots(settings, Which.HW) as (robot,):
         try:
             robot.move(0, 0, 0, relative=True)  # turns no arm, but a robot that cannot move refuses it
         except Refused as error:
@@ -109,12 +107,7 @@ def jog(selection: Selection, *, as_json: bool) -> None:
         )
         with stop_on_interrupt([robot], as_json=as_json):
             robot.look(speed=SPEED_DEG_S)
-            seen = [observe(robot, index) for index in range(len(ARMS))]
-            todo = replug(seen)
-            if not todo:
-                shape = robot.info().geometry
-                known = ROBOT.geometry.arm0_azimuth if shape is None else shape.arm0_azimuth
-                todo = describe(ask_azimuth(known), known)
+            todo = replug([observe(robot, index) for index in range(len(ARMS))])
     if as_json:
         print_json({"result": not todo, "todo": todo})
     else:
@@ -137,43 +130,23 @@ def observe(robot: Robot, index: int) -> Observation:
 
 
 def ask(question: str, answers: Mapping[str, T]) -> T:
-    """Ask until the user types an answer or its beginning; return its meaning. Raises the errors of `read_answer`."""
+    """Ask until the user types an answer or its beginning; return its meaning.
+
+    Raises WrongUsage if standard input has ended.
+    """
     while True:
-        words = read_answer(question)
+        print(question, end=" ", file=sys.stderr, flush=True)
+        line = sys.stdin.readline()
+        if not line:
+            note("")
+            raise wrong_usage(
+                "The input ended before all questions were answered. Repeat the command within sight of the robot.",
+            )
+        words = line.strip().lower()
         found = {meaning for answer, meaning in answers.items() if words and answer.startswith(words)}
         if len(found) == 1:
             return found.pop()
         note(f"Type one of: {', '.join(answers)}.")
-
-
-def ask_azimuth(known_deg: float) -> float:
-    """Ask where the short arm points at home and return the answer (deg); raises the errors of `read_answer`."""
-    low, high, _ = ALLOWED["geometry"]["arm0_azimuth"]
-    while True:
-        words = read_answer(
-            "Where does the short arm point now, at home? Degrees from straight ahead, positive to the robot's left "
-            f"(the robot reports {known_deg:.6g}; a difference of less than {JOG_DEG:g} does not matter):"
-        )
-        try:
-            azimuth = float(words.replace(",", "."))  # a decimal comma
-        except ValueError:
-            azimuth = float("nan")
-        if low <= azimuth <= high:
-            return azimuth
-        note(f"Type a number from {low:g} to {high:g}.")
-
-
-def read_answer(question: str) -> str:
-    """Print a question and read a line; raises WrongUsage if standard input has ended."""
-    print(question, end=" ", file=sys.stderr, flush=True)
-    line = sys.stdin.readline()
-    if not line:
-        note("")
-        raise WrongUsage(
-            Reason.BAD_VALUE,
-            "The input ended before all questions were answered. Repeat the command within sight of the robot.",
-        )
-    return line.strip().lower()
 
 
 def replug(seen: list[Observation]) -> list[str]:
@@ -184,8 +157,7 @@ def replug(seen: list[Observation]) -> list[str]:
     """
     turned = [arm for arm, _ in seen if arm is not None]
     if len(set(turned)) < len(turned):
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"You saw {', '.join(turned)}: each arm turns once. Repeat the command, and type none if no arm turns.",
         )
     advice = []
@@ -200,14 +172,3 @@ def replug(seen: list[Observation]) -> list[str]:
         if not counter_clockwise:
             advice.append(f"Reverse the plug of the {arm} arm's motor: it turns in the wrong direction.")
     return ["Switch the power off first.", *advice, AGAIN] if advice else []
-
-
-def describe(azimuth_deg: float, known_deg: float) -> list[str]:
-    """Return advice with the lines of a robot file; empty if the azimuths differ by less than JOG_DEG."""
-    if abs((azimuth_deg - known_deg + 180) % 360 - 180) < JOG_DEG:
-        return []
-    text = (
-        f"Your arms are mounted differently than the robot reports ({known_deg:.6g}°). Write this into your robot file, or "
-        "into a new one, and start hardware and simulation with --robot-file FILE:"
-    )
-    return [text, f"[geometry]\narm0_azimuth = {azimuth_deg:.1f}"]

@@ -14,8 +14,7 @@ from typing import Final, Protocol
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.contract._generated import serial as wire
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import Refused, bad_value
 
 try:
     import termios
@@ -67,8 +66,7 @@ class Terminal:
 
     def __init__(self, path: Path) -> None:
         if not POSSIBLE:
-            raise Refused(
-                Reason.BAD_VALUE,
+            raise bad_value(
                 "--legacy needs a pseudo-terminal, which Windows does not have. Run this node on Linux or macOS.",
             )
         self.path = path
@@ -239,13 +237,11 @@ def link(path: Path, device: str) -> None:
     try:
         path.symlink_to(device)
     except FileExistsError as error:
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"--legacy {path} already exists. Choose another path for this robot, or remove it if no program uses it.",
         ) from error
     except OSError as error:
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"--legacy {path}: {error.strerror}. Choose a path you may write, for example /tmp/beatrix; a link such as "
             "/dev/ttyACM9, which programs find by themselves, needs an administrator.",
         ) from error

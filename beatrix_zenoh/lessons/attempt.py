@@ -17,7 +17,7 @@ import math
 import re
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from pathlib import Path
 from typing import Self
 
@@ -35,7 +35,7 @@ from beatrix_zenoh.lessons.guarded import LineChild, NoReply, Run
 from beatrix_zenoh.lessons.phrases import ErrorData, NotMeasurable, Phrase, Still, Unmet, busy, phrase, shown
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.sandbox import Sandbox, scratch
-from beatrix_zenoh.lessons.stage import POLL_S, PUPIL, ROBOT, Seen, Stage, pace
+from beatrix_zenoh.lessons.stage import POLL_S, PUPIL, ROBOT, Seen, Stage, open_stage, pace
 
 __all__ = ["Attempt", "NotMeasurable", "Seen", "Stage", "Unmet"]
 
@@ -74,11 +74,10 @@ class Attempt:
             keep: record the robots of a run to this file, which is overwritten; None: record nothing.
             tell: is called with sentences about a check that takes long.
         """
-        self._program, self._limit_s, self._keep, self._tell = program, limit_s, keep, tell
+        self.program, self._limit_s, self._keep, self._tell = program, limit_s, keep, tell
         self._shared: Stage | None = None
         self._open = ExitStack()
         self._functions: LineChild | None = None
-        self._file = program.path
         self.doubt: Phrase | None = None
         """why a figure that is not met may be the fault of this computer; None: it was fast enough"""
         self.used_s = 0.0
@@ -88,8 +87,7 @@ class Attempt:
 
     def __enter__(self) -> Self:
         temporary = self._open.enter_context(scratch())
-        self._file = self._program.file(temporary)
-        self._sandbox = Sandbox.of(self._program, temporary)
+        self._sandbox = Sandbox(self.program, temporary)
         return self
 
     def __exit__(self, *_error: object) -> None:
@@ -98,14 +96,9 @@ class Attempt:
     @contextmanager
     def on_stage(self, *robots: str) -> Iterator[None]:
         """Observe on one stage during a block, as each run leaves it, because its start takes seconds."""
-        with Stage(robots, tell=self._tell) as self._shared:
+        with open_stage(robots, tell=self._tell) as self._shared:
             yield
         self._shared = None
-
-    @property
-    def program(self) -> Program:
-        """The pupil's program."""
-        return self._program
 
     @staticmethod
     def require(figure: str, met: bool, **values: object) -> None:  # noqa: FBT001 - reads as a sentence
@@ -148,7 +141,7 @@ class Attempt:
         request = {"function": function, "arguments": [plain(one) for one in arguments], "limit_s": CALL_S}
         own = phrase("function", name=function)
         reply = _answer(lambda: child.ask(request, PATIENCE * CALL_S), CALL_S, own)
-        where = self._program.where(reply.line)
+        where = self.program.where(reply.line)
         if reply.missing is not None:
             raise Unmet("function", function=function, names=", ".join(reply.missing) or phrase("none"))
         if reply.error is not None:
@@ -166,13 +159,19 @@ class Attempt:
     def _child(self) -> LineChild:
         """Return the child process that has imported the pupil's file."""
         if self._functions is None:
-            words = ["-P", "-m", "beatrix_zenoh.lessons.function_child", str(self._file), str(IMPORT_S)]
+            words = [
+                "-P",
+                "-m",
+                "beatrix_zenoh.lessons.function_child",
+                str(self._sandbox.file),
+                str(IMPORT_S),
+            ]
             child = LineChild(self._sandbox, words, {"BEATRIX_CONNECT": NO_ROUTER})
             self._open.callback(child.close)
             reply = _answer(lambda: child.reply(PATIENCE * IMPORT_S), IMPORT_S, phrase("import"))
             if reply.error is not None:
                 figure = "import" if reply.error.reason is Reason.NO_ROUTER else "runs"
-                where = self._program.where(reply.line)
+                where = self.program.where(reply.line)
                 raise Unmet(_failure(reply.error, figure), error=reply.error, where=where)
             self._functions = child
         return self._functions
@@ -241,11 +240,10 @@ class Attempt:
                 no robot was moved, or what `during` raises.
             NotMeasurable: this computer was too busy.
         """
-        with ExitStack() as running:
-            stage = self._stage(running, (ROBOT,), path, robot_file)
+        with self._stage((ROBOT,), path, robot_file) as stage:
             if target is not None:
                 stage.watches[ROBOT].robot.move_target(*target)
-            seen = self._observed(running, stage, during, seconds=seconds)
+            seen = self._observed(stage, during, seconds=seconds)
         if seconds is None:
             slips.motions(seen.values())
         return seen[ROBOT]
@@ -257,13 +255,11 @@ class Attempt:
 
         The program must end `within_s` (s) after `during`, whatever time it has had before.
         """
-        with ExitStack() as running:
-            stage = self._stage(running, robots, "still", None)
-            return self._observed(running, stage, during, within_s=within_s)
+        with self._stage(robots) as stage:
+            return self._observed(stage, during, within_s=within_s)
 
     def _observed(
         self,
-        running: ExitStack,
         stage: Stage,
         during: Callable[[Stage], None],
         *,
@@ -272,31 +268,33 @@ class Attempt:
     ) -> dict[str, Seen]:
         """Run the program on a stage, and return what each robot did."""
         self.doubt = None
-        if self._keep is not None:
-            running.enter_context(stage.recorded(self._keep))
-        for watch in stage.watches.values():
-            watch.begin()
         environment = {
             "BEATRIX_CONNECT": stage.endpoint,
             "BEATRIX_ROBOT": stage.names[0],
             "BEATRIX_WHO": PUPIL,
             tracebacks.VARIABLE: tracebacks.DATA,
         }
-        run = Run(self._file, self._program, self._sandbox, environment)
-        running.callback(self._close, run)
         limit_s = self._limit_s if seconds is None else seconds
-        self._tell(phrase("watches", seconds=limit_s))
-        self._let(during, run, stage)
-        if within_s is not None:
-            limit_s = run.seconds + within_s
-        self._finish(run, stage, limit_s, ends=seconds is None)
-        return self._judge(stage, run)
+        with stage.recorded(self._keep) if self._keep else nullcontext():
+            for watch in stage.watches.values():
+                watch.begin()
+            run = Run(self._sandbox, environment)
+            try:
+                self._tell(phrase("watches", seconds=limit_s))
+                self._let(during, run, stage)
+                if within_s is not None:
+                    limit_s = run.seconds + within_s
+                self._finish(run, stage, limit_s, ends=seconds is None)
+                return self._judge(stage, run)
+            finally:
+                run.close()
+                self.cores = run.cores
 
     def _stage(
-        self, running: ExitStack, robots: tuple[str, ...], path: str, robot_file: Path | None
-    ) -> Stage:
-        """Return the stage of `on_stage`, or a new one in `running`."""
-        return self._shared or running.enter_context(Stage(robots, path, robot_file, self._tell))
+        self, robots: tuple[str, ...], path: str = "still", robot_file: Path | None = None
+    ) -> AbstractContextManager[Stage]:
+        """Return the stage of `on_stage`, or a new one."""
+        return nullcontext(self._shared) if self._shared else open_stage(robots, path, robot_file, self._tell)
 
     def _judge(self, stage: Stage, run: Run) -> dict[str, Seen]:
         """Return what the robots did, and set `doubt`; raises NotMeasurable."""
@@ -339,10 +337,6 @@ class Attempt:
                 self._judge(stage, run)  # the robot may have stopped because this computer was busy
             raise
         _watch(stage, TAIL_S)
-
-    def _close(self, run: Run) -> None:
-        run.close()
-        self.cores = run.cores
 
 
 def _watch(stage: Stage, seconds: float) -> None:

@@ -9,8 +9,7 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.contract.errors import BeatrixError, bad_value
 from beatrix_zenoh.lessons.measures import Curve, HeadCurves
 from beatrix_zenoh.lessons.phrases import Still, Tell, Unmet, error_data
 
@@ -47,8 +46,7 @@ def start(speed: float | None) -> VirtualRobot:
     try:
         robot: VirtualRobot = importlib.import_module(MODULE).VirtualTimeRobot(speed)
     except ImportError as error:
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"The bench cannot be loaded: {error}. If the simulation is not installed, run "
             '`pip install ".[sim]"` in the folder of BEATRIX; then check again.',
         ) from None

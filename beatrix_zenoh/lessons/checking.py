@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
+import runpy
 import shutil
 import textwrap
 from collections.abc import Callable
@@ -10,8 +10,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from pathlib import Path
 
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lesson_files import Lesson
 from beatrix_zenoh.lessons.attempt import Attempt
 from beatrix_zenoh.lessons.phrases import NotMeasurable, Phrase, Unmet, busy, error_data, phrase, said
@@ -88,13 +87,7 @@ def check(
 
 def check_of(lesson: Lesson) -> Callable[[Attempt], None]:
     """Return the function `check` of a lesson's check.py."""
-    path = lesson.folder / "check.py"
-    spec = importlib.util.spec_from_file_location(f"check of lesson {lesson.name}", path)
-    if spec is None or spec.loader is None:
-        raise Refused(Reason.BAD_VALUE, f"{path} cannot be read: install BEATRIX again.")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    check: Callable[[Attempt], None] = module.check
+    check: Callable[[Attempt], None] = runpy.run_path(str(lesson.folder / "check.py"))["check"]
     return check
 
 

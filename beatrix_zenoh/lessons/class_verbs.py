@@ -10,25 +10,25 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import bad_value
 from beatrix_zenoh.lesson_files import NOT_MEASURED, asked, find
 from beatrix_zenoh.lessons import program as programs
 from beatrix_zenoh.lessons import progress
 from beatrix_zenoh.output import columns, note, print_json, say
-from beatrix_zenoh.terminal.options import Connect, Json, Which, Who
+from beatrix_zenoh.terminal.options import Connect, Json, Wait, Which, Who
 
 if TYPE_CHECKING:
     from beatrix_zenoh.client.lesson_reports import Row
 
 
+Number = Annotated[int, typer.Argument(metavar="N", min=1, help="Number of the lesson.")]
+
+
 def turn(
-    number: Annotated[int, typer.Argument(metavar="N", min=1, help="Number of the lesson.")],
+    number: Number,
     name: Annotated[str | None, typer.Option("--name", metavar="ROBOT", help="Name of the robot.")] = None,
     on: Annotated[Which, typer.Option("--on", help="hw, or sim to rehearse it on a simulation.")] = Which.HW,
-    wait: Annotated[
-        float, typer.Option(min=0.0, metavar="SECONDS", help="Wait in the queue for up to this long.")
-    ] = 3600.0,
+    wait: Wait = 3600.0,
     connect: Connect = None,
     who: Who = None,
 ) -> None:
@@ -45,14 +45,13 @@ def turn(
     workspace = progress.workspace(Path.cwd())
     found = find(number, workspace.progress.language)
     if found.about.no_turn:
-        raise Refused(Reason.BAD_VALUE, f"Lesson {number} has no turn on the robot: {found.about.no_turn}")
+        raise bad_value(f"Lesson {number} has no turn on the robot: {found.about.no_turn}")
     passed = workspace.record(found.name).passed
     paths = workspace.programs(found.name)
     program = programs.read(paths[0]) if paths else None
     if program is None or progress.sealed(found.name, program.sha256) not in passed:
         what = "has changed since it passed" if passed and program is not None else "has not passed yet"
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"Your program of lesson {number} {what}; only one that passed on the simulation may take a turn. "
             f"`beatrix lesson check {number}` checks it.",
         )

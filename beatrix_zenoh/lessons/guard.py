@@ -1,8 +1,8 @@
-"""Run a pupil's program, and kill all that it has started: `python -I -S guard.py STDIN COMMAND...`.
+"""Run a pupil's program, and kill all that it has started: `python -I -S guard.py COMMAND...`.
 
-The program's standard input is the file descriptor STDIN, or nothing if that is -1. Standard input of the guard is a
-pipe from the process that checks the program: each byte interrupts the program as Ctrl-C does, and its end, also if that
-process was killed, kills the program. The exit code is that of the program, 128 and the number of a signal that ended it.
+The program's standard input is empty. Standard input of the guard is a pipe from the process that checks the program:
+each byte interrupts the program as Ctrl-C does, and its end, also if that process was killed, kills the program. The
+exit code is that of the program, 128 and the number of a signal that ended it.
 The file USED in the home folder gets the processor time (s) of the program and of what it has started.
 A process of its own, because a program may let no other thread run.
 """
@@ -26,13 +26,11 @@ KILL_S = 2.0
 POLL_S = 0.005
 
 
-def main(stdin: int, command: list[str]) -> int:
+def main(command: list[str]) -> int:
     """Run the program to its end, then kill the processes that it has left."""
     adopt_orphans()
     signal.signal(signal.SIGINT, lambda *_: None)  # not ignored: the program would inherit that
-    program = subprocess.Popen(command, stdin=subprocess.DEVNULL if stdin < 0 else stdin)
-    if stdin >= 0:
-        os.close(stdin)
+    program = subprocess.Popen(command, stdin=subprocess.DEVNULL)
     threading.Thread(target=obey, args=[program], daemon=True).start()
     code = program.wait()
     kill_children()
@@ -78,4 +76,4 @@ def own_children() -> list[int]:
 
 
 if __name__ == "__main__":
-    sys.exit(main(int(sys.argv[1]), sys.argv[2:]))
+    sys.exit(main(sys.argv[1:]))

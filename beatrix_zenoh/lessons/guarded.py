@@ -1,7 +1,4 @@
-"""A pupil's process under its guard (guard.py), which ends it and all that it has started.
-
-It is the whole program, or a child process that answers each line of JSON with one line of JSON.
-"""
+"""A pupil's process: the whole program under its guard (guard.py), or a child process that calls its functions."""
 
 from __future__ import annotations
 
@@ -21,13 +18,12 @@ from typing import IO
 
 import msgspec
 
-from beatrix_zenoh import processes, threads
+from beatrix_zenoh import threads
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.codec import UNREADABLE
 from beatrix_zenoh.lessons.function_child import FunctionReply
 from beatrix_zenoh.lessons.phrases import ErrorData, Phrase, Unmet, phrase
-from beatrix_zenoh.lessons.program import Program
-from beatrix_zenoh.lessons.sandbox import Sandbox
+from beatrix_zenoh.lessons.sandbox import GUARD, Sandbox
 
 SIGNALLED = 128
 """An exit code of the guard above this number is that of a signal."""
@@ -48,63 +44,11 @@ PREFIX = re.compile(r"^[\w.]+\.(?=\w+(:|$))")
 """The module of an exception's name, as in `beatrix_zenoh.contract.errors.Refused`."""
 
 
-class Guarded:
-    """A process that runs Python in a sandbox; `requests` is the pipe to its standard input, None: it reads nothing."""
-
-    def __init__(
-        self,
-        sandbox: Sandbox,
-        words: list[str],
-        environment: Mapping[str, str],
-        *,
-        requests: bool = False,
-        stderr: int = subprocess.STDOUT,
-    ) -> None:
-        """Start it with these arguments and more variables; its output is the pipe `process.stdout`."""
-        self.requests: IO[bytes] | None = None
-        read = -1
-        if requests and sys.platform != "win32":
-            read, write = os.pipe()
-            self.requests = os.fdopen(write, "wb")
-        direct = requests and sys.platform == "win32"  # there a process inherits no other pipe
-        self.process = subprocess.Popen(
-            [sys.executable, *words] if direct else sandbox.guarded(words, read),
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=stderr,
-            cwd=sandbox.working,
-            env=sandbox.environment(environment),
-            pass_fds=() if read < 0 else (read,),
-            process_group=None if sys.platform == "win32" else 0,
-            creationflags=processes.NEW_GROUP,
-        )
-        if read >= 0:
-            os.close(read)
-        if direct:
-            self.requests = self.process.stdin
-
-    def interrupt(self) -> None:
-        """Interrupt the program as Ctrl-C does; not on Windows."""
-        assert self.process.stdin is not None
-        with contextlib.suppress(OSError):  # it has ended
-            self.process.stdin.write(b"\n")
-            self.process.stdin.flush()
-
-    def end(self) -> None:
-        """Kill the program and all that it has started."""
-        close(self.requests, self.process.stdin)
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            self.process.wait(GUARD_S)
-        kill_group(self.process)  # if the program has killed or suspended its guard
-        self.process.wait()
-
-
-def close(*pipes: IO[bytes] | None) -> None:
-    """Close pipes; what was not yet written has no reader."""
-    for pipe in pipes:
-        if pipe is not None:
-            with contextlib.suppress(OSError):
-                pipe.close()
+def close(pipe: IO[bytes] | None) -> None:
+    """Close a pipe; what was not yet written has no reader."""
+    if pipe is not None:
+        with contextlib.suppress(OSError):
+            pipe.close()
 
 
 def kill_group(process: subprocess.Popen[bytes]) -> None:
@@ -119,7 +63,7 @@ def kill_group(process: subprocess.Popen[bytes]) -> None:
 
 
 def exit_code(process: subprocess.Popen[bytes]) -> int:
-    """Wait for the end of a guard; return the exit code of its program, negative for a signal."""
+    """Wait for the end of a process; return its exit code, or that of the program of a guard; negative for a signal."""
     code = process.wait()
     return SIGNALLED - code if code > SIGNALLED else code
 
@@ -132,30 +76,29 @@ class NoReply(Exception):
         self.code = code
 
 
-class LineChild(Guarded):
-    """A process that answers each line of JSON with another one."""
+class LineChild:
+    """A process that answers each line of JSON with another one; it ends with its standard input."""
 
     def __init__(self, sandbox: Sandbox, words: list[str], environment: Mapping[str, str]) -> None:
         """Start it with these arguments and more variables."""
-        super().__init__(sandbox, words, environment, requests=True, stderr=subprocess.DEVNULL)
+        self._process = sandbox.start(words, environment, stderr=subprocess.DEVNULL)
         self._lines: queue.SimpleQueue[bytes | None] = queue.SimpleQueue()
         self._reader = threads.start(self._read, "lines-of-child")
 
     def _read(self) -> None:
-        output = self.process.stdout
-        assert output is not None
-        for line in output:
+        for line in self._process.stdout or ():
             self._lines.put(line)
         self._lines.put(None)
 
     def ask(self, request: Mapping[str, object], timeout_s: float) -> FunctionReply:
         """Return the answer to a request; raises NoReply after `timeout_s` (s), and if the child has ended."""
-        assert self.requests is not None
+        requests = self._process.stdin
+        assert requests is not None
         try:
-            self.requests.write(json.dumps(request).encode() + b"\n")
-            self.requests.flush()
+            requests.write(json.dumps(request).encode() + b"\n")
+            requests.flush()
         except OSError as error:
-            raise NoReply(exit_code(self.process)) from error
+            raise NoReply(exit_code(self._process)) from error
         return self.reply(timeout_s)
 
     def reply(self, timeout_s: float) -> FunctionReply:
@@ -165,38 +108,38 @@ class LineChild(Guarded):
         except queue.Empty:
             raise NoReply from None
         if line is None:
-            raise NoReply(exit_code(self.process))
+            raise NoReply(exit_code(self._process))
         return msgspec.convert(
             json.loads(line), FunctionReply
         )  # JSON of Python has nan, and integers of any size
 
     def close(self) -> None:
-        """End the child, which holds nothing that it would have to save."""
-        self.end()
+        """Kill the child, which holds nothing that it would have to save."""
+        kill_group(self._process)
+        self._process.wait()
         self._reader.join()
-        close(self.process.stdout)
+        close(self._process.stdin)
+        close(self._process.stdout)
 
 
-class Run(Guarded):
-    """A program that runs; its output is read all the time, so that it never waits for a reader."""
+class Run:
+    """A program that runs under its guard; its output is read all the time, so that it never waits for a reader."""
 
-    def __init__(
-        self, file: Path, program: Program, sandbox: Sandbox, environment: Mapping[str, str]
-    ) -> None:
-        """Start it; `file` is what Python runs, `program` what the pupil has written."""
-        self._file, self._program, self._sandbox = file, program, sandbox
+    def __init__(self, sandbox: Sandbox, environment: Mapping[str, str]) -> None:
+        """Start the program of a sandbox, with more variables."""
+        self._sandbox = sandbox
         self._output: collections.deque[str] = collections.deque(maxlen=LINES)
-        paths = (str(program.path.parent), os.environ.get("PYTHONPATH"))
+        paths = (str(sandbox.program.path.parent), os.environ.get("PYTHONPATH"))
         # The program of a notebook is in another folder.
         more = {"PYTHONPATH": os.pathsep.join(filter(None, paths))}
-        super().__init__(sandbox, [str(file)], more | dict(environment))
+        self._process = sandbox.start([str(sandbox.file)], more | dict(environment), GUARD)
         self.cores = 0.0
         """Part of a core that the program has used, known after `close`; 0 on Windows, which does not tell."""
         self._reader = threads.start(self._read, "output-of-program")
         self.began_ns = time.monotonic_ns()
 
     def _read(self) -> None:
-        output = self.process.stdout
+        output = self._process.stdout
         assert output is not None
         for line in iter(lambda: output.readline(LONGEST_LINE), b""):
             self._output.append(line.decode("utf-8", "replace").rstrip("\r\n"))
@@ -209,7 +152,7 @@ class Run(Guarded):
     @property
     def running(self) -> bool:
         """Whether the program has not ended yet."""
-        return self.process.poll() is None
+        return self._process.poll() is None
 
     @property
     def seconds(self) -> float:
@@ -218,7 +161,7 @@ class Run(Guarded):
 
     def check(self) -> None:
         """Raise Unmet (`runs`, `uncaught`, `other_robot` or `keyboard`) if the program has ended with an error."""
-        if self.process.poll() == 0:
+        if self._process.poll() == 0:
             return
         self._reader.join(END_S)
         lines = [line for line in self._output if line.strip()]
@@ -233,7 +176,7 @@ class Run(Guarded):
 
     def _error(self, lines: list[str]) -> ErrorData | Phrase:
         """Return the error of the traceback, or how the program has ended without one."""
-        code = exit_code(self.process)
+        code = exit_code(self._process)
         if code < 0:
             return phrase("signal", name=signal.Signals(-code).name)
         if not lines:
@@ -247,18 +190,24 @@ class Run(Guarded):
     def _where(self) -> Phrase | str:
         """Return the place in the pupil's program that the last traceback names."""
         frames = [match for line in self._output if (match := FRAME.match(line))]
-        own = [int(match["line"]) for match in frames if Path(match["file"]) == self._file]
-        return self._program.where(own[-1] if own else None)
+        own = [int(match["line"]) for match in frames if Path(match["file"]) == self._sandbox.file]
+        return self._sandbox.program.where(own[-1] if own else None)
 
     def close(self) -> None:
         """End the program, first as Ctrl-C does, so that it can bring its robot to rest."""
-        if self.running and sys.platform != "win32":
-            self.interrupt()
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                self.process.wait(END_S)
-        self.end()
+        guard = self._process.stdin
+        if self.running and guard is not None and sys.platform != "win32":
+            with contextlib.suppress(OSError, subprocess.TimeoutExpired):  # it has ended, or does not end
+                guard.write(b"\n")
+                guard.flush()
+                self._process.wait(END_S)
+        close(guard)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(GUARD_S)
+        kill_group(self._process)  # if the program has killed or suspended its guard
+        self._process.wait()
         if not self.cores:
             self.cores = self._sandbox.used_s() / self.seconds
         self._reader.join(END_S)
-        if self.process.stdout is not None and not self._reader.is_alive():  # else closing would wait for it
-            self.process.stdout.close()
+        if not self._reader.is_alive():  # else closing would wait for it
+            close(self._process.stdout)

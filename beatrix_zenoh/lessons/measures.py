@@ -1,4 +1,4 @@
-"""Measures that several lessons share: swings, rates and errors of sampled curves."""
+"""Measures that several lessons share: swings and errors of sampled curves."""
 
 from __future__ import annotations
 
@@ -36,11 +36,6 @@ class HeadCurves:
         """Roll of the head (deg)."""
         return self.head[:, 2]
 
-    @property
-    def short(self) -> Curve:
-        """Angle of the short arm (deg)."""
-        return self.arms[:, 0]
-
 
 def swings(values: Curve, least: float) -> list[float]:
     """Return the sizes of the movements between turning points, in order, those below `least` left out.
@@ -65,18 +60,6 @@ def swings(values: Curve, least: float) -> list[float]:
             begin, end, direction = end, value, -direction
     if direction:
         found.append(abs(end - begin))
-    return found
-
-
-def rate(t: Curve, values: Curve) -> Curve:
-    """Return the rate of change of sampled values (per second) at the times `t` (s)."""
-    found: Curve = np.gradient(values, t)
-    return found
-
-
-def at(t: Curve, values: Curve, times: npt.ArrayLike) -> Curve:
-    """Return the values at other times, by linear interpolation."""
-    found: Curve = np.interp(np.asarray(times, dtype=float), t, values)
     return found
 
 

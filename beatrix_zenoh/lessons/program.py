@@ -11,8 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from beatrix_zenoh import files
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import bad_value
 from beatrix_zenoh.lessons.phrases import ErrorData, Phrase, Unmet, phrase
 
 FORMAT = {"nbformat": 4, "nbformat_minor": 5}
@@ -90,13 +89,11 @@ def read(path: Path) -> Program:
         text = files.text(path, LONGEST, "Python")
         return Program(path, cells(text) if path.suffix == ".ipynb" else text)
     except OSError as error:
-        raise Refused(
-            Reason.BAD_VALUE, f"{path} cannot be read: {error.strerror}. `beatrix lesson start` makes it."
+        raise bad_value(
+            f"{path} cannot be read: {error.strerror}. `beatrix lesson start` makes it."
         ) from error
     except (ValueError, KeyError, TypeError) as error:
-        raise Refused(
-            Reason.BAD_VALUE, f"{path} is not a notebook: {error}. Save it in Jupyter again."
-        ) from error
+        raise bad_value(f"{path} is not a notebook: {error}. Save it in Jupyter again.") from error
 
 
 def cells(notebook: str) -> str:

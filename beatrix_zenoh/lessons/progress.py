@@ -8,8 +8,8 @@ from pathlib import Path
 import msgspec
 
 from beatrix_zenoh import files
-from beatrix_zenoh.contract._generated.messages import LessonState, Reason
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract._generated.messages import LessonState
+from beatrix_zenoh.contract.errors import bad_value
 from beatrix_zenoh.lesson_files import ENGLISH, NOT_MEASURED
 
 FOLDER, FILE = "lessons", "progress.json"
@@ -78,8 +78,8 @@ class Workspace:
             text = files.text(self._path, LONGEST, "JSON") if self._path.exists() else "{}"
             self.progress = msgspec.json.decode(text, type=ProgressFile)
         except (OSError, ValueError) as error:
-            raise Refused(
-                Reason.BAD_VALUE, f"{self._path} cannot be read: {error}. Delete it; your programs stay."
+            raise bad_value(
+                f"{self._path} cannot be read: {error}. Delete it; your programs stay."
             ) from error
         for lesson, record in self.progress.lessons.items():
             record.passed = [one for one in record.passed if one == sealed(lesson, one.partition("-")[0])]
@@ -100,8 +100,7 @@ class Workspace:
             with files.replace_when_complete(self._path) as unfinished:
                 unfinished.write_bytes(msgspec.json.format(msgspec.json.encode(self.progress)))
         except OSError as error:
-            raise Refused(
-                Reason.BAD_VALUE,
+            raise bad_value(
                 f"{self._path} cannot be written: {error.strerror or error}. Check its folder.",
             ) from error
 

@@ -13,20 +13,20 @@ import site
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Final, Self
+from typing import Final
 
 import beatrix_zenoh
 from beatrix_zenoh import account, files
 from beatrix_zenoh.account import Account
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.contract.errors import BeatrixError, bad_value
 from beatrix_zenoh.lessons.guard import USED
 from beatrix_zenoh.lessons.program import Program
+from beatrix_zenoh.processes import NEW_GROUP
 
-GUARD: Final = Path(__file__).with_name("guard.py")
+GUARD: Final = (sys.executable, "-I", "-S", str(Path(__file__).with_name("guard.py")))
 KEPT: Final = (
     *("PATH", "PYTHONPATH", "LD_LIBRARY_PATH", "LANG", "LANGUAGE", "TZ", "USER", "LOGNAME", "USERNAME"),
     *("SYSTEMROOT", "SYSTEMDRIVE", "WINDIR", "COMSPEC", "PATHEXT", "TEMP", "TMP", "NUMBER_OF_PROCESSORS"),
@@ -45,21 +45,18 @@ TRIAL_S: Final = 10.0
 
 
 class Sandbox:
-    """The surroundings of one program: its folder, a temporary folder with its home, and its working folder."""
+    """The surroundings of one program, which finds its files as when the user runs it by hand.
 
-    def __init__(self, folder: Path, temporary: Path, working: Path | None = None) -> None:
-        """`working`: None: its folder."""
-        self.working = working or folder
-        self._folder, self._temporary = folder, temporary
-        self._home = temporary / "home"
+    They are the file that Python runs, its working folder, and a temporary folder with its home.
+    """
+
+    def __init__(self, program: Program, temporary: Path) -> None:
+        self.program, self.file = program, program.file(temporary)
+        self.working = program.folder or Path.cwd()
+        self._temporary, self._home = temporary, temporary / "home"
         self._home.mkdir(exist_ok=True)
 
-    @classmethod
-    def of(cls, program: Program, temporary: Path) -> Self:
-        """Return the surroundings of a program that finds its files as when the user runs it by hand."""
-        return cls(program.path.parent, temporary, program.folder or Path.cwd())
-
-    def environment(self, more: Mapping[str, str]) -> dict[str, str]:
+    def _environment(self, more: Mapping[str, str]) -> dict[str, str]:
         """Return the variables of the program's environment, with some more."""
         kept = {key: text for key, text in os.environ.items() if key in KEPT or key.startswith("LC_")}
         own = {
@@ -79,14 +76,29 @@ class Sandbox:
         except (OSError, ValueError, BeatrixError):
             return 0.0
 
-    def guarded(self, words: list[str], stdin: int = -1) -> list[str]:
-        """Return the command that runs Python with these arguments under a guard; `stdin` as for guard.py."""
-        guarded = [sys.executable, "-I", "-S", str(GUARD), str(stdin), sys.executable, *words]
-        return [*self._bubblewrap(), *guarded] if bubblewrap_works() else guarded
+    def start(
+        self,
+        words: list[str],
+        more: Mapping[str, str],
+        guard: Sequence[str] = (),
+        stderr: int = subprocess.STDOUT,
+    ) -> subprocess.Popen[bytes]:
+        """Start Python, below a guard, with these arguments and more variables; its input and output are pipes."""
+        command = [*guard, sys.executable, *words]
+        return subprocess.Popen(
+            [*self._bubblewrap(), *command] if bubblewrap_works() else command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=stderr,
+            cwd=self.working,
+            env=self._environment(more),
+            process_group=None if sys.platform == "win32" else 0,
+            creationflags=NEW_GROUP,
+        )
 
     def _bubblewrap(self) -> list[str]:
         private = files.user_folder()
-        own = {self._folder, self._temporary, self.working}
+        own = {self.program.path.parent, self._temporary, self.working}
         shown = sorted(str(path) for path in own if not private.is_relative_to(path))
         binds = [word for path in shown for word in ("--bind", path, path)]
         return [*bubblewrap(), *binds, "--dir", str(self.working), "--chdir", str(self.working)]
@@ -131,8 +143,7 @@ def refuse_teacher(own: Account | None) -> None:
         with contextlib.suppress(BeatrixError):  # an invalid file is no account
             own = account.load(stored)
     if own is not None and own.role == "teacher":
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             "The account of this user is the teacher's, and a pupil's program could read it: it runs with the rights of the "
             "user who checks it. Check programs as another user of this computer, or on a seat's computer. On Linux with "
             "bubblewrap, `BEATRIX_ACCOUNT= beatrix lesson check` hides all accounts from the program.",

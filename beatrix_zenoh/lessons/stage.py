@@ -6,10 +6,8 @@ import socket
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 import numpy as np
 import numpy.typing as npt
@@ -165,48 +163,18 @@ class RobotWatch:
         )
 
 
+@dataclass
 class Stage:
-    """A router, simulations that are ready, and a client that watches them; a `with` block ends them."""
+    """A router, simulations that are ready, and a client that watches them: see `open_stage`."""
 
-    def __init__(
-        self,
-        robots: Sequence[str] = (ROBOT,),
-        path: str = "still",
-        robot_file: Path | None = None,
-        tell: Tell = lambda _: None,
-    ) -> None:
-        """Describe the stage: names of its robots, path of the person in front of them, values of other robots.
+    names: tuple[str, ...]
+    endpoint: str
+    _tell: Tell
+    _supervisor: Supervisor
+    _running: ExitStack
+    watches: dict[str, RobotWatch] = field(default_factory=dict)
 
-        `tell` is called with sentences about a start that takes long.
-        """
-        self._tell = tell
-        self.names, self.path, self.robot_file = tuple(robots), path, robot_file
-        with socket.create_server(("127.0.0.1", 0)) as free:
-            self.endpoint = f"tcp/127.0.0.1:{free.getsockname()[1]}"
-        self.watches: dict[str, RobotWatch] = {}
-        self._running = ExitStack()
-        account = {"BEATRIX_ACCOUNT": ""}  # the router of a check has no accounts
-        self._supervisor = Supervisor(account, PREFIX)
-
-    def __enter__(self) -> Self:
-        with ExitStack() as starting:
-            starting.callback(zbus.open_router(self.endpoint).close)
-            supervisor = starting.enter_context(self._supervisor)
-            robots = [word for name in self.names for word in ("--name", name)]
-            values = ("--robot-file", str(self.robot_file)) if self.robot_file else ()
-            words = ("--connect", self.endpoint, "--ready", "--target", self.path, *values)
-            self._wait(supervisor.start("simulation", "sim", *robots, *words), len(self.names))
-            client = starting.enter_context(Client(Settings(self.names[0], self.endpoint, SEAT)))
-            self.watches = {name: RobotWatch(client, name) for name in self.names}
-            self._running = starting.pop_all()
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._running.__exit__(kind, error, trace)
-
-    def _wait(self, child: Child, robots: int = 1) -> None:
+    def wait(self, child: Child, robots: int = 1) -> None:
         """Wait until a child is ready with its robots; raises NotMeasurable after START_S, Refused if it has ended."""
         deadline_s = time.monotonic() + START_S
         still = Still(self._tell, "still_starts", START_S)
@@ -237,8 +205,39 @@ class Stage:
         """Record the robots to a file during a block; an older file is deleted."""
         path.unlink(missing_ok=True)
         recorder = self._supervisor.start("recorder", "record", str(path), "--connect", self.endpoint)
-        self._wait(recorder)
+        self.wait(recorder)
         try:
             yield
         finally:
             self._supervisor.finish(recorder)
+
+
+@contextmanager
+def open_stage(
+    names: Sequence[str] = (ROBOT,),
+    path: str = "still",
+    robot_file: Path | None = None,
+    tell: Tell = lambda _: None,
+) -> Iterator[Stage]:
+    """Run a stage with robots of these names during a block.
+
+    Args:
+        names: of the robots.
+        path: of the person in front of them.
+        robot_file: values of other robots.
+        tell: is called with sentences about a start that takes long.
+    """
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        endpoint = f"tcp/127.0.0.1:{free.getsockname()[1]}"
+    with ExitStack() as running:
+        running.callback(zbus.open_router(endpoint).close)
+        # The router of a check has no accounts.
+        supervisor = running.enter_context(Supervisor({"BEATRIX_ACCOUNT": ""}, PREFIX))
+        stage = Stage(tuple(names), endpoint, tell, supervisor, running)
+        robots = [word for name in names for word in ("--name", name)]
+        values = ("--robot-file", str(robot_file)) if robot_file else ()
+        words = ("--connect", endpoint, "--ready", "--target", path, *values)
+        stage.wait(supervisor.start("simulation", "sim", *robots, *words), len(names))
+        client = running.enter_context(Client(Settings(names[0], endpoint, SEAT)))
+        stage.watches |= {name: RobotWatch(client, name) for name in names}
+        yield stage

@@ -12,7 +12,7 @@ from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Subscription
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, Reason, Status
-from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, bad_value
 from beatrix_zenoh.lessons.guarded import Run
 from beatrix_zenoh.lessons.phrases import Unmet, said
 from beatrix_zenoh.lessons.program import Program
@@ -99,8 +99,7 @@ def _require_other_seat(robot: Robot, status: Status, seat: str) -> None:
 def _require_unchanged(program: Program) -> None:
     """Raise Refused (BAD_VALUE) if the file of a program is no longer what has passed."""
     if program.changed():
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"{program.path.name} was saved meanwhile, so it is not the program that has passed. Check it again, then take "
             "another turn.",
         )
@@ -145,27 +144,22 @@ def _run(program: Program, robot: Robot, lease: Lease, *, endless: bool) -> None
             "BEATRIX_SIDE": robot.side,
             "BEATRIX_LEASE": str(lease.number),
         }
-        sandbox = Sandbox.of(program, folder)
-        run = Run(program.file(folder), program, sandbox, environment)
-        running = ending.enter_context(contextlib.closing(run))
+        running = Run(Sandbox(program, folder), environment)
         try:
-            ended = _watch(running, events, statuses, lease.number, settings.who)
+            ended = _watch(running, events, statuses, lease.number)
         finally:
             running.close()
             for line in _printed(running.output):
                 say(f"  {line}")
     if not ended and not endless:
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"Your program did not end within {LONGEST_S - HOME_S:.0f} s, so it was ended: is there a `while True`?",
         )
     if ended:
         _check(running)
 
 
-def _watch(
-    running: Run, events: Subscription[Event], statuses: Subscription[Status], number: int, seat: str
-) -> bool:
+def _watch(running: Run, events: Subscription[Event], statuses: Subscription[Status], number: int) -> bool:
     """Return True when the program has ended, False when its time is over; raise the other errors of `take_turn`."""
     heard_s = time.monotonic()
     end_s = heard_s + LONGEST_S - HOME_S
@@ -183,7 +177,11 @@ def _watch(
         for status in statuses.take():
             heard_s = time.monotonic()
             if status.lease != number:
-                raise Refused(Reason.NOT_HOLDER, _ended_early(status.holder, seat))
+                raise Refused(
+                    Reason.NOT_HOLDER,
+                    f"Your turn has ended early; driver now: {status.holder or 'none'}. The teacher has ended it, or your "
+                    "program or another window of yours has given the robot back. Take another turn when it suits the class.",
+                )
         if time.monotonic() - heard_s > LOST_S:
             raise NoAnswer(
                 Reason.TIMED_OUT,
@@ -209,19 +207,7 @@ def _check(running: Run) -> None:
     except Unmet as unmet:
         error = str(said(unmet.values.get("error", unmet.figure))).removesuffix(".")
         where = said(unmet.values.get("where", ""))
-        raise Refused(Reason.BAD_VALUE, f"Your program has ended with an error: {error}{where}.") from unmet
-
-
-def _ended_early(holder: str, seat: str) -> str:
-    """Return a sentence about a lease that is no longer that of the turn; `holder` has the robot now."""
-    if holder not in ("", seat):
-        return (
-            f"Your turn has ended; {holder} holds the robot now. Take another turn when it suits the class."
-        )
-    return (
-        "Your turn has ended early: the teacher has ended it, or your program or another window of yours has given the "
-        "robot back. Wait until the teacher lets you drive, then take another turn."
-    )
+        raise bad_value(f"Your program has ended with an error: {error}{where}.") from unmet
 
 
 def _end(robot: Robot, lease: Lease, *, home: bool) -> bool:

@@ -12,12 +12,11 @@ from typing import Annotated
 
 import typer
 
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import bad_value
 from beatrix_zenoh.lesson_files import Lesson, find, lessons
 from beatrix_zenoh.lessons import program as programs
 from beatrix_zenoh.lessons import progress
-from beatrix_zenoh.lessons.class_verbs import report, turn
+from beatrix_zenoh.lessons.class_verbs import Number, report, turn
 from beatrix_zenoh.lessons.progress import Record, Workspace
 from beatrix_zenoh.output import columns, note, print_json, say
 from beatrix_zenoh.terminal.options import Json
@@ -44,7 +43,6 @@ class LessonLanguage(StrEnum):
     GERMAN = "de"
 
 
-Number = Annotated[int, typer.Argument(metavar="N", min=1, help="Number of the lesson.")]
 LatestNumber = Annotated[
     int | None,
     typer.Argument(
@@ -72,8 +70,7 @@ def _writing(folder: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"{_shown(folder)} cannot be written: {error.strerror}. Work in a folder of your own, for example in your home folder.",
         ) from error
 
@@ -132,8 +129,7 @@ def start(
     suffix = ".ipynb" if notebook else ".py"
     program = folder / f"start{suffix}"
     if program.exists():
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"{_shown(program)} exists and is not overwritten. {LESSON} check {number}` checks it; "
             f"{LESSON} reset {number}` gives you a fresh one, and keeps this one.",
         )
@@ -209,8 +205,7 @@ def _program(number: int | None, workspace: Workspace) -> tuple[Lesson, Path]:
         found = _find(number, workspace)
         paths = workspace.programs(found.name)
         if not paths:
-            raise Refused(
-                Reason.BAD_VALUE,
+            raise bad_value(
                 f"{_shown(workspace.folder / found.name)} has no program. Start the lesson: {LESSON} start {number}`.",
             )
         return found, paths[0]
@@ -218,8 +213,7 @@ def _program(number: int | None, workspace: Workspace) -> tuple[Lesson, Path]:
         (path, one) for one in lessons(workspace.progress.language) for path in workspace.programs(one.name)
     ]
     if not started:
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"{workspace.folder} has no lesson yet. If yours are in another folder, go there first. Start one: {LESSON} start 1`. {LESSON} list` shows all.",
         )
     path, found = max(started, key=lambda pair: pair[0].stat().st_mtime)
@@ -271,8 +265,7 @@ def solution(
     workspace = _workspace()
     found = _find(number, workspace)
     if not workspace.record(found.name).passed and not show:
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"Your program has not passed yet. {LESSON} hint {number}` helps; --show prints the solution anyway.",
         )
     say((found.folder / "solution.py").read_text(encoding="utf-8"))

@@ -69,11 +69,6 @@ class Following:
     off_deg: float
     """largest deviation of an arm from the path (deg)"""
 
-    @property
-    def duration_s(self) -> float:
-        """Time of the path's last point."""
-        return self.path.duration_s
-
     def at(self, t: float) -> Floats:
         """Return planned arm angles (deg) `t` seconds after the start of the path, interpolated linearly."""
         place = min(max(0.0, (t + LEAD_IN_S) / STEP_S), len(self.planned) - 1.0)
@@ -101,30 +96,17 @@ def follow(path: ArmPath, robot: RobotData) -> Following:
     for t, arms in zip(path.t, path.arms, strict=True):
         with naming(path.where(float(t))):
             limits.check_pose([math.radians(angle) for angle in arms])
-    try:
-        targets, way = planned(path, limits)
-    except OffThePath as off:
-        raise Refused(Reason.SPEED_LIMIT, too_fast(path, limits, off)) from off
+    targets, way = planned(path, limits)
     start = motion_query(*path.arms[0], relative=False, speed=None)
     times = np.arange(len(way), dtype=np.float64) * STEP_S - LEAD_IN_S
     off_deg = float(np.max(np.abs(way - path.at(times))))
     return Following(path, start, tuple(targets), way, math.degrees(limits.speed_max), off_deg)
 
 
-class OffThePath(Exception):
-    """An arm deviates from the path by `deg` (deg), which is too much, at the time `t` (s) of the path."""
-
-    def __init__(self, deg: float, t: float) -> None:
-        super().__init__(deg, t)
-        self.deg, self.t = deg, t
-
-
 def planned(path: ArmPath, limits: MotionLimits) -> tuple[list[TimedTarget], Floats]:
     """Return the targets, and the planned arm angles as in `Following.planned`.
 
-    Raises:
-        OffThePath: the path is too fast.
-        Refused: a motion exceeds a limit; the message names line and time.
+    Raises the errors of `follow`.
     """
     grid = path.at(np.arange(-LEAD_IN_S, path.duration_s + AHEAD_S + LOOK_S + STEP_S, STEP_S))
     position: Arms = _radians(grid[0])
@@ -147,7 +129,7 @@ def planned(path: ArmPath, limits: MotionLimits) -> tuple[list[TimedTarget], Flo
             way.append([math.degrees(angle) for angle in trajectory.at(step * STEP_S)[0]])
             off = float(np.max(np.abs(np.array(way[-1]) - grid[min(at + step, len(grid) - 1)])))
             if off > OFF_DEG:
-                raise OffThePath(off, max(0.0, t + step * STEP_S))
+                raise Refused(Reason.SPEED_LIMIT, too_fast(path, limits, off, t + step * STEP_S))
         position, velocity = trajectory.at(TARGET_S)
     return targets, np.array(way, dtype=np.float64)
 
@@ -200,10 +182,10 @@ def furthest(coming: Floats, sign: float, enough: float) -> float:
     return sign * float(peak[ends[0] if len(ends) else -1])
 
 
-def too_fast(path: ArmPath, limits: MotionLimits, off: OffThePath) -> str:
-    """Return the message for a path that is too fast."""
+def too_fast(path: ArmPath, limits: MotionLimits, off_deg: float, t: float) -> str:
+    """Return the message for a path that is too fast: an arm would be `off_deg` (deg) off it at the time `t` (s)."""
     return (
-        f"{path.where(off.t)}: the path is too fast. The arms would deviate by {off.deg:.1f}° from the path; "
+        f"{path.where(t)}: the path is too fast. The arms would deviate by {off_deg:.1f}° from the path; "
         f"at most {OFF_DEG:g}° is allowed. They turn at {math.degrees(limits.speed_max):g}°/s at most, and "
         f"accelerate at {math.degrees(limits.acceleration):g}°/s². Give the path more time, with a --speed-factor below "
         f"{path.factor:g} or points further apart."

@@ -13,10 +13,9 @@ import numpy.typing as npt
 from beatrix_zenoh.client.choreography import Choreography, Pose, Step
 from beatrix_zenoh.client.degrees import DAY_S, REST_DEG, ArmAngles, HeadAngles, checked_factor
 from beatrix_zenoh.client.motion_file import SPEED, MotionFile, Place, WrongLine
-from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import RobotData
 from beatrix_zenoh.contract._generated.serial import Telemetry
-from beatrix_zenoh.contract.errors import WrongUsage, naming
+from beatrix_zenoh.contract.errors import naming, wrong_usage
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.node.planner import Planner
@@ -71,8 +70,7 @@ class ArmPath:
             return self
         begin, end = self.begin_s, self.given_s(self.duration_s)
         if not begin <= given_s < end:
-            raise WrongUsage(
-                Reason.BAD_VALUE,
+            raise wrong_usage(
                 f"{self.source} lasts from {begin:g} to {end:g} s, so a replay cannot begin at {given_s:g} s. "
                 "Give a time between them.",
             )
@@ -96,8 +94,7 @@ class ArmPath:
         if self.duration_s <= LONGEST_S:
             return
         at_factor = "" if self.factor == 1 else f" at the speed factor {self.factor:g}"
-        raise WrongUsage(
-            Reason.BAD_VALUE,
+        raise wrong_usage(
             f"{self.source} takes {self.duration_s:.0f} s{at_factor}; at most {LONGEST_S:.0f} s is allowed. "
             "Replay it faster, or in parts.",
         )
@@ -145,15 +142,12 @@ def path_of(read: MotionFile, limits: MotionLimits) -> ArmPath:
         Refused: OUT_OF_REACH, a head orientation exceeds the tilt limit; the message names the line.
     """
     if read.with_speed:
-        raise WrongUsage(
-            Reason.BAD_VALUE,
+        raise wrong_usage(
             f"{read.source} has a column {SPEED}, so it is a choreography: play it with `beatrix play`.",
         )
     points = read.points
     if len(points) < 2:
-        raise WrongUsage(
-            Reason.BAD_VALUE, f"{read.source} has one point; a path needs at least two. Add a point."
-        )
+        raise wrong_usage(f"{read.source} has one point; a path needs at least two. Add a point.")
     for before, after in itertools.pairwise(points):
         if after.t == before.t:
             raise WrongLine(
@@ -189,14 +183,11 @@ def path_of_recording(source: str, recorded_s: Floats, angles: Floats) -> ArmPat
     moved = np.flatnonzero(np.max(np.abs(angles - angles[:1]), axis=1) > REST_DEG)
     unfinished = np.flatnonzero(np.max(np.abs(angles - angles[-1:]), axis=1) > REST_DEG)
     if not len(moved):
-        raise WrongUsage(
-            Reason.BAD_VALUE, f"{source}: the robot did not move, so there is nothing to replay."
-        )
+        raise wrong_usage(f"{source}: the robot did not move, so there is nothing to replay.")
     begin_s = max(recorded_s[0], recorded_s[moved[0]] - STILL_S)
     end_s = min(recorded_s[-1], recorded_s[unfinished[-1]] + STILL_S)
     if end_s - begin_s > DAY_S:  # after a change of a clock the next lines could allocate all memory
-        raise WrongUsage(
-            Reason.BAD_VALUE,
+        raise wrong_usage(
             f"{source}: its motions span {end_s - begin_s:.0f} s; at most {DAY_S:.0f} s is allowed. Record shorter parts.",
         )
     t = np.arange(begin_s, end_s + POINT_S, POINT_S)

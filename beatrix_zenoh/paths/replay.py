@@ -18,7 +18,7 @@ from beatrix_zenoh.client.stopping import StopEvents
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.client.twin_motion import ended, furthest
 from beatrix_zenoh.contract._generated.messages import MotionQuery, Reason, Source
-from beatrix_zenoh.contract.errors import Interrupted, Refused, WrongUsage, naming
+from beatrix_zenoh.contract.errors import Interrupted, Refused, naming, wrong_usage
 from beatrix_zenoh.paths.follow import LEAD_IN_S, Following
 
 POLL_S: Final = 0.02
@@ -158,7 +158,7 @@ def replay(
     """
     lead_s = checked_seconds("lead_s", lead_s, zero=True)
     if lead_s and isinstance(robots, Robot):
-        raise WrongUsage(Reason.BAD_VALUE, "lead_s needs both robots: omit it for one robot.")
+        raise wrong_usage("lead_s needs both robots: omit it for one robot.")
     _go_to_start(robots, following)
     delays = {robots: 0.0} if isinstance(robots, Robot) else {robots.sim: 0.0, robots.hw: lead_s}
     both_s = None if isinstance(robots, Robot) else lead_s
@@ -171,7 +171,7 @@ def replay(
             for stream in streams:
                 stream.advance()
             now_s = time.monotonic()
-            progress(min(following.duration_s, max(0.0, now_s - begin_s)))
+            progress(min(following.path.duration_s, max(0.0, now_s - begin_s)))
             due_s = min(
                 (stream.due_s for stream in streams if stream.due_s is not None), default=now_s + POLL_S
             )

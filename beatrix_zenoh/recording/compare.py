@@ -8,8 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.contract.errors import wrong_usage
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.recording.alignment import Alignment, aligned
 from beatrix_zenoh.recording.motion_shifts import LOCAL_S, MovedPart, best_shift, chosen, differ, window
@@ -228,7 +227,7 @@ class Thresholds:
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
             if value is not None and not (math.isfinite(value) and value >= 0):
-                raise WrongUsage(Reason.BAD_VALUE, f"{name} is {value:g}: give a number, 0 or more.")
+                raise wrong_usage(f"{name} is {value:g}: give a number, 0 or more.")
 
     def exceeded(self, found: Comparison) -> list[str]:
         """Return a sentence for each threshold that is exceeded or cannot be checked."""

@@ -17,8 +17,7 @@ import pyarrow.csv
 import pyarrow.parquet
 
 from beatrix_zenoh.client.session import Place
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import bad_value
 from beatrix_zenoh.contract.names import ARMS
 from beatrix_zenoh.recording.rows import GAP_NS, GRID_NS
 from beatrix_zenoh.recording.samples import (
@@ -105,8 +104,7 @@ def table(
     chosen = {place: samples for place, samples in robots.items() if not names or place[0] in names}
     if missing := sorted(set(names) - {name for name, _ in chosen}):
         held = ", ".join(sorted({name for name, _ in robots}))
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"The recording contains {held}, and not {', '.join(missing)}: give another --name.",
         )
     first_ns = min(int(samples.time_ns[0]) for samples in robots.values())
@@ -114,8 +112,7 @@ def table(
     start_ns = first_ns // GRID_NS * GRID_NS
     lasts_s = (last_ns - start_ns) / 1e9
     if from_s > lasts_s:
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"The recording lasts {lasts_s:.1f} s and has no samples from {from_s:g} s on: give a smaller --from.",
         )
     from_ns = max(first_ns, start_ns + round(from_s * 1e9))

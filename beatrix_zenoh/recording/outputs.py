@@ -12,8 +12,7 @@ from pathlib import Path
 from typing import Final
 
 from beatrix_zenoh import threads
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import bad_value
 from beatrix_zenoh.files import check_new
 from beatrix_zenoh.recording.rows import RecordingRow, RobotSet, Say, SoundRow
 from beatrix_zenoh.recording.rrd.stream import Batch, RowStream
@@ -138,8 +137,8 @@ class FileOutput:
         try:
             stream.to_file(path)
         except OSError as error:
-            raise Refused(
-                Reason.BAD_VALUE, f"{path} cannot be written: {error.strerror or error}. Name another file."
+            raise bad_value(
+                f"{path} cannot be written: {error.strerror or error}. Name another file."
             ) from error
         self.files.append(path)
         return stream

@@ -11,8 +11,8 @@ from typing import Final
 from beatrix_zenoh.client.degrees import HeadAngles, RobotInfo, robot_of
 from beatrix_zenoh.client.motion_file import Place, lines_of
 from beatrix_zenoh.client.robot import Robot
-from beatrix_zenoh.contract._generated.messages import Positions, Reason
-from beatrix_zenoh.contract.errors import WrongUsage, naming
+from beatrix_zenoh.contract._generated.messages import Positions
+from beatrix_zenoh.contract.errors import naming, wrong_usage
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.paths.path import STILL_S
 
@@ -86,9 +86,7 @@ def record_motion(
                 kept = thinned(points, 1 / POINTS_HZ, math.inf if keep_rest else STILL_S)
                 file.writelines(lines_of(kept, comments(robot, info)))
     except OSError as error:
-        raise WrongUsage(
-            Reason.BAD_VALUE, f"{path} cannot be written: {error.strerror}. Name another file."
-        ) from error
+        raise wrong_usage(f"{path} cannot be written: {error.strerror}. Name another file.") from error
     return len(kept)
 
 

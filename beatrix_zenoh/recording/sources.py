@@ -38,7 +38,7 @@ from beatrix_zenoh.contract._generated.messages import (
     Status,
 )
 from beatrix_zenoh.contract.codec import encode_json
-from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.contract.errors import BeatrixError, Refused, bad_value
 from beatrix_zenoh.contract.names import EYES
 from beatrix_zenoh.recording.losses import Losses, Stream, seq_of, stream_of, stream_of_key
 from beatrix_zenoh.recording.rows import MARK, NOTES, Bar, Line, RecordingRow, clock
@@ -334,12 +334,10 @@ class NoteInbox:
     def add(self, seat: str, text: str) -> None:
         """Add a note; raises Refused for one that cannot be taken."""
         if not seat:
-            raise Refused(
-                Reason.BAD_VALUE, f"A note needs one seat in its key, for example {keys.note('ana', '*')}."
-            )
+            raise bad_value(f"A note needs one seat in its key, for example {keys.note('ana', '*')}.")
         line = printable.line(text).strip()
         if not line:
-            raise Refused(Reason.BAD_VALUE, "The note is empty: give its text.")
+            raise bad_value("The note is empty: give its text.")
         if self._closed:
             raise Refused(Reason.SHUTDOWN, CLOSED)
         if len(self._waiting) >= NOTES_WAITING:

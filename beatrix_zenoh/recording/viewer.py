@@ -20,7 +20,7 @@ from typing import Final, Self
 
 from beatrix_zenoh import processes
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import NoAnswer, Refused, WrongUsage
+from beatrix_zenoh.contract.errors import NoAnswer, bad_value, wrong_usage
 from beatrix_zenoh.output import typed
 
 HOST: Final = "127.0.0.1"
@@ -47,8 +47,7 @@ def program() -> Path:
     """Return the path of the Rerun program; raises Refused (BAD_VALUE) if it is not installed."""
     found = importlib.util.find_spec("rerun_cli")
     if found is None or found.origin is None or importlib.util.find_spec("rerun") is None:
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"Recordings need rerun-sdk, which is not installed: {INSTALL} (not for Intel Macs or 32-bit systems).",
         )
     folder = Path(found.origin).parent
@@ -88,7 +87,7 @@ def check_exists(path: Path) -> None:
         return
     beside = sorted(str(other) for other in path.parent.glob("*.rrd"))
     there = f"The recordings there: {', '.join(beside)}." if beside else "`beatrix record` writes recordings."
-    raise WrongUsage(Reason.BAD_VALUE, f"{path}: there is no such file. {there}")
+    raise wrong_usage(f"{path}: there is no such file. {there}")
 
 
 def check_recording(path: Path) -> None:
@@ -98,18 +97,15 @@ def check_recording(path: Path) -> None:
         with path.open("rb") as file:
             begin = file.read(len(MAGIC))
     except OSError as error:
-        raise Refused(
-            Reason.BAD_VALUE, f"{path} cannot be read: {error.strerror}. Name another file."
-        ) from error
+        raise bad_value(f"{path} cannot be read: {error.strerror}. Name another file.") from error
     if begin == MAGIC:
         return
     if path.suffix.lower() == ".csv":
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"{path} is a motion file, not a recording (.rrd): use `{typed('beatrix', 'replay', path)}`.",
         )
     what = "is not a recording" if begin else "is empty"
-    raise Refused(Reason.BAD_VALUE, f"{path} {what}. `beatrix record FILE.rrd` writes recordings.")
+    raise bad_value(f"{path} {what}. `beatrix record FILE.rrd` writes recordings.")
 
 
 def complete(path: Path) -> bool:
@@ -149,8 +145,7 @@ class Viewer:
             Refused: BAD_VALUE, Rerun is not installed or the port is taken.
         """
         if answers(port):
-            raise Refused(
-                Reason.BAD_VALUE,
+            raise bad_value(
                 f"Port {port} of this computer is taken. Choose another with --port, for example {free_port()}.",
             )
         # Without this setting Rerun sends usage data to its makers.
@@ -178,7 +173,7 @@ class Viewer:
         deadline = time.monotonic() + START_S
         while not answers(port or self.port):
             if self.code is not None:
-                raise Refused(Reason.BAD_VALUE, self.ending())
+                raise bad_value(self.ending())
             if time.monotonic() > deadline:
                 raise NoAnswer(Reason.TIMED_OUT, f"The Rerun viewer did not answer within {START_S:.0f} s.")
             time.sleep(0.05)

@@ -69,6 +69,17 @@ On = Annotated[
         "--on", help="sim, hw or both; default: the simulation if it is online, otherwise the hardware."
     ),
 ]
+Lead = Annotated[
+    float,
+    typer.Option(
+        metavar="S",
+        help="With --on both: the hardware starts this many seconds after the simulation. Until then, Ctrl-C "
+        "prevents its start.",
+    ),
+]
+Wait = Annotated[
+    float, typer.Option(min=0.0, metavar="SECONDS", help="Wait in the queue for up to this long.")
+]
 Legacy = Annotated[
     Path | None,
     typer.Option(

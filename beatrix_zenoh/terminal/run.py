@@ -14,7 +14,7 @@ import typer
 
 from beatrix_zenoh import hiding
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
+from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage, bad_value
 from beatrix_zenoh.output import (
     FAILED,
     STDOUT,
@@ -99,7 +99,7 @@ EXTRAS = {"flash": "hw"}
 def missing(process: str, error: ModuleNotFoundError) -> Refused:
     """Return the refusal for a program that needs a package that is not installed."""
     text = f"`beatrix {process}` needs {error.name}, which is not installed. {install(process)}"
-    return Refused(Reason.BAD_VALUE, text)
+    return bad_value(text)
 
 
 def install(process: str) -> str:

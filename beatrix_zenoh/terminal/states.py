@@ -12,12 +12,9 @@ from beatrix_zenoh.client.monitor import ASK_S, Monitor, Presence
 from beatrix_zenoh.client.request import infos as answered_infos
 from beatrix_zenoh.client.request import title
 from beatrix_zenoh.client.session import Client, Place
-from beatrix_zenoh.contract import printable
 from beatrix_zenoh.contract._generated.messages import Fault, FollowState, Info, Status
 from beatrix_zenoh.contract.values import as_data
 
-CELL, PROBLEM = 60, 400
-"""Largest number of characters of a cell and of a line about a problem: any program may send a status."""
 NAMES, WARNINGS = 12, 12
 """Largest number of names in a line about a robot, and of lines with warnings."""
 BOARD_FAULTS = (Fault.BOARD_LOST, Fault.CONTRACT_MISMATCH)
@@ -61,11 +58,6 @@ def listed(client: Client, monitor: Monitor) -> list[ListedRobot]:
     ]
 
 
-def short(*cells: str) -> tuple[str, ...]:
-    """Return the cells of a row, each cut to CELL characters."""
-    return tuple(printable.line(cell, CELL) for cell in cells)
-
-
 def some(names: Sequence[str], most: int = NAMES) -> str:
     """Return the first names, and the number of the others."""
     others = len(names) - most
@@ -96,7 +88,7 @@ def problems(status: Status | None) -> list[str]:
         found.append(f"It has {len(status.warnings) - WARNINGS} more warnings.")
     if status.fault is not Fault.NONE and not (status.fault in BOARD_FAULTS and status.warnings):
         found.insert(0, status.fault.text)
-    return [printable.line(problem, PROBLEM) for problem in found]
+    return found
 
 
 def lease_notes(status: Status) -> list[str]:
@@ -134,8 +126,9 @@ def unlike_notes(statuses: Mapping[Place, Status], account: Account | None) -> l
     if len({*decided.values()}) < 2:
         return []
     words = some([f"{robot} {text or 'none'}" for robot, text in decided.items()])
-    text = f"The teacher's decisions differ: {words}. `beatrix freeze`, `limit` and `mute` of the teacher reach all."
-    return [printable.line(text, PROBLEM)]
+    return [
+        f"The teacher's decisions differ: {words}. `beatrix freeze`, `limit` and `mute` of the teacher reach all."
+    ]
 
 
 def limit_words(status: Status) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import typer
 
@@ -18,43 +18,26 @@ from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason, Source
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.output import note, print_failure, print_json, say
-from beatrix_zenoh.settings import resolve
+from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.terminal.options import Which
+
+if TYPE_CHECKING:  # importing it would delay verbs that need one robot
+    from beatrix_zenoh.client.twin import Twin
 
 Present = Sequence[tuple[str, str]]
 """Name and side of every robot online."""
 
 
-@dataclass(frozen=True)
-class Selection:
-    """Robot name, router endpoint and seat from the command line; None: not given."""
-
-    name: str | None
-    connect: str | None
-    who: str | None
-
-
-@dataclass(frozen=True)
-class Targets:
-    """A session, and the robots selected."""
-
-    client: Client
-    name: str
-    sides: tuple[str, ...]
-
-    def robots(self) -> list[Robot]:
-        """Return the robots selected, the simulation first."""
-        return [Robot(self.name, side, client=self.client) for side in self.sides]
-
-
 @contextlib.contextmanager
-def open_targets(
-    selection: Selection, which: Which | None, *, acts: bool = False, both: bool = False
-) -> Iterator[Targets]:
-    """Open a session and select the robots; print a note with the robot's name if it was not given.
+def open_robots(
+    settings: Settings, which: Which | None, *, acts: bool = False, both: bool = False
+) -> Iterator[list[Robot]]:
+    """Open a session, and yield the robots selected: one or both of a name, the simulation first.
+
+    A note gives the name if the user has not.
 
     Args:
-        selection: from the command line.
+        settings: name of the robot, endpoint of the router, and seat.
         which: the value of --on.
         acts: the verb moves or changes the robots; print a note if, without --on, only the hardware is online. Not in
             a class, whose robots usually have no simulation.
@@ -64,7 +47,6 @@ def open_targets(
         NoAnswer: no router answers, no robot is online and no name was given, or a robot of --on both is not online.
         Refused: several robots are online, and no name was given.
     """
-    settings = resolve(selection.name, selection.connect, selection.who)
     with Client(settings, source=Source.CLI) as client:
         present = client.robots()
         name = chosen_name(client, acts=acts, present=present)
@@ -75,7 +57,20 @@ def open_targets(
         sides = select_sides(name, which, present, client.bus.endpoint)
         if acts and which is None and sides == ("hw",) and settings.account is None:
             note(f"No simulation of {name} is online: using the hardware.")
-        yield Targets(client, name, sides)
+        yield [Robot(name, side, client=client) for side in sides]
+
+
+@contextlib.contextmanager
+def one_or_twin(robots: list[Robot]) -> Iterator[Robot | Twin]:
+    """Yield the robot selected, or both as a twin with sessions of its own."""
+    if len(robots) == 1:
+        yield robots[0]
+        return
+    from beatrix_zenoh.client.twin import Twin
+
+    settings = robots[0].client.settings
+    with Twin(robots[0].name, connect=settings.connect, who=settings.who) as twin:
+        yield twin
 
 
 def select_sides(name: str, which: Which | None, present: Present, endpoint: str) -> tuple[str, ...]:

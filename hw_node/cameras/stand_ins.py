@@ -1,4 +1,4 @@
-"""Pictures without a camera: a test picture with eye, number and time, or pictures and videos from files."""
+"""Pictures without a camera: a test picture with number and time, or pictures and videos from files."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
-from beatrix_zenoh.lettering import cells
 from beatrix_zenoh.node import SensorFrame, picture
 from hw_node.cameras import jpeg
 from hw_node.cameras.jpeg import HEIGHT, HZ, WIDTH
@@ -28,8 +27,7 @@ BLOCK: Final = 16
 """Pixels; JPEG stores colours in squares of this size."""
 BLOCKS_X: Final = (WIDTH - BITS * BLOCK) // 2
 NUMBER_Y, TIME_Y = HEIGHT - 3 * BLOCK, HEIGHT - 2 * BLOCK
-BARS_HEIGHT, TEXT_X, EYE_Y, CLOCK_Y = 112, 104, 192, 272
-SCALE: Final = 6
+BARS_HEIGHT: Final = 360
 BARS: Final = np.array([(k & 2, k & 4, k & 1) for k in (7, 6, 5, 4, 3, 2, 1)], bool).astype(np.uint8) * 192
 """Colours of the bars above, from white to blue; the right eye has them in reverse order."""
 
@@ -67,12 +65,12 @@ class TimedPictures:
 
 
 class Pattern(TimedPictures):
-    """Test pictures at 30 Hz with their number since the start, the wall-clock time, and the monotonic time in ms."""
+    """Test pictures at 30 Hz with their number since the start, and the monotonic time in ms, as blocks."""
 
     name = "pattern"
 
     def __init__(self, eye: str) -> None:
-        self._eye, self._number = eye, 0
+        self._number = 0
         self._image = np.zeros((HEIGHT, WIDTH, 3), np.uint8)
         bars = BARS if eye == "left" else BARS[::-1]
         self._image[:BARS_HEIGHT] = bars.repeat(-(-WIDTH // len(bars)), axis=0)[:WIDTH]
@@ -80,22 +78,10 @@ class Pattern(TimedPictures):
     def picture(self, t_mono_ns: int) -> SensorFrame:
         """Draw the next picture."""
         self._number += 1
-        self._draw(t_mono_ns)
-        jpeg = simplejpeg.encode_jpeg(self._image, quality=QUALITY, colorspace="RGB", colorsubsampling="420")
-        return picture(jpeg, WIDTH, HEIGHT, t_mono_ns, self.name)
-
-    def _draw(self, t_mono_ns: int) -> None:
-        """Draw the parts that change; the rest of the picture is constant."""
-        wall_s, ms = divmod(time.time_ns() // 1_000_000, 1000)
-        clock = time.strftime("%H:%M:%S", time.localtime(wall_s))
-        self._write(EYE_Y, f"{self._eye.upper():<5}{self._number % 10**7:>7}")
-        self._write(CLOCK_Y, f"{clock}.{ms:03d}")
         self._code(NUMBER_Y, self._number)
         self._code(TIME_Y, t_mono_ns // 1_000_000)
-
-    def _write(self, y: int, text: str) -> None:
-        ink = cells(text).repeat(SCALE, axis=0).repeat(SCALE, axis=1)
-        self._image[y : y + ink.shape[0], TEXT_X : TEXT_X + ink.shape[1]] = ink[..., None] * np.uint8(255)
+        jpeg = simplejpeg.encode_jpeg(self._image, quality=QUALITY, colorspace="RGB", colorsubsampling="420")
+        return picture(jpeg, WIDTH, HEIGHT, t_mono_ns, self.name)
 
     def _code(self, y: int, value: int) -> None:
         bits = (value >> np.arange(BITS - 1, -1, -1, dtype=np.int64) & 1).astype(np.uint8) * 255

@@ -140,7 +140,7 @@ def test_a_disconnected_holder_loses_the_robot_to_the_seat_that_waits(
     router: ClassRouter, tmp_path: Path
 ) -> None:
     account = router.account("seat01")
-    with Cable("127.0.0.1", router.classroom.port + 1) as cable:
+    with Cable("127.0.0.1", router.classroom.router.port + 1) as cable:
         path = tmp_path / "seat01.toml"
         path.write_text(msgspec.structs.replace(account, connect=f"tls/127.0.0.1:{cable.port}").text())
         use_account(tmp_path, path)

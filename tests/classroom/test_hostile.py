@@ -65,7 +65,7 @@ def moves_and_stops(robot: Robot) -> None:
 @contextlib.contextmanager
 def relayed(router: ClassRouter) -> Iterator[tuple[Cable, Account]]:
     """A cable that records, and the account of the seat ana for its end."""
-    with Cable("127.0.0.1", router.classroom.port + 1) as cable:
+    with Cable("127.0.0.1", router.classroom.router.port + 1) as cable:
         account = router.account("ana")
         yield cable, msgspec.structs.replace(account, connect=f"tls/127.0.0.1:{cable.port}")
 
@@ -83,7 +83,7 @@ def send_again(router: ClassRouter, pieces: list[bytes]) -> int:
     received_bytes = 0
     with (
         contextlib.suppress(ConnectionError),
-        socket.create_connection(("127.0.0.1", router.classroom.port + 1), PATIENCE_S) as connection,
+        socket.create_connection(("127.0.0.1", router.classroom.router.port + 1), PATIENCE_S) as connection,
     ):
         for piece in pieces[:-1]:
             connection.sendall(piece)
@@ -125,7 +125,7 @@ def test_hostile_traffic_moves_no_robot_and_blocks_no_request(router: ClassRoute
     recorded = recorded_session(router)
     before = teacher.status().motion
     seats = teacher.client.bus.tokens(keys.seat("ana", "*"))
-    with hostile.Attack("127.0.0.1", router.classroom.port, recorded) as attack:
+    with hostile.Attack("127.0.0.1", router.classroom.router.port, recorded) as attack:
         until(lambda: min(attack.sent[kind] for kind in hostile.KINDS) >= 10, "all kinds of attacks")
         assert teacher.status().motion == before, "no hostile bytes have moved the robot"
         assert teacher.client.bus.tokens(keys.seat("ana", "*")) == seats, "no session was opened"

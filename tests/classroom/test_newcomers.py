@@ -56,7 +56,7 @@ def test_a_stranger_keeps_no_newcomer_out(tmp_path: Path) -> None:
             rules = router.folder / "connections.nft"
             for _ in range(2):  # a second time they replace themselves
                 subprocess.run([*school.router.inside, "nft", "-f", str(rules)], check=True, timeout=10)
-            flood = stranger.start("-c", STRANGER, ROUTER, str(router.classroom.port), "20")
+            flood = stranger.start("-c", STRANGER, ROUTER, str(router.classroom.router.port), "20")
             flood.expect("flood")  # it has used up what the rules let through at first
             for host, name in ((ana, "ana"), (bea1, "bea1")):
                 newcomer = host.start("-c", NEWCOMER, str(router.path(name)))

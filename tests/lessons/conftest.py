@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 import pytest
 
-from beatrix_zenoh.lessons.stage import Stage
+from beatrix_zenoh.lessons.stage import Stage, open_stage
 
 
 @pytest.fixture(scope="module")
 def stage() -> Iterator[Stage]:
     """A stage that observed checks share, because its start takes as long as most programs."""
-    with Stage() as stage:
+    with open_stage() as stage:
         yield stage

@@ -77,7 +77,7 @@ def running(folder: Path, text: str, **environment: str) -> Iterator[Run]:
     """Run a program as an observed check does, without a robot."""
     made, temporary = written(folder, text), folder / "temporary"
     temporary.mkdir()
-    with closing(Run(made.path, made, Sandbox(made.path.parent, temporary), environment)) as run:
+    with closing(Run(Sandbox(made, temporary), environment)) as run:
         yield run
 
 
@@ -147,7 +147,7 @@ def test_a_program_that_is_ended_may_bring_its_robot_to_rest_first(fence: bool, 
 def test_a_syntax_error_is_found_before_anything_is_started(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.delattr(attempt, "Stage")
+    monkeypatch.delattr(attempt, "open_stage")
     verdict = checking.check(find(1), written(tmp_path, "x = 1\nif x\n    pass\n"))
     assert (verdict.figure, verdict.found) == ("runs", "SyntaxError: expected ':' (line 2)")
 

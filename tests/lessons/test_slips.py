@@ -173,6 +173,6 @@ def test_a_program_finds_its_files_as_by_hand(
     (tmp_path / "scene.csv" if name == "start.py" else folder / "scene.csv").write_text("")
     monkeypatch.chdir(tmp_path)
     made = Program(folder / name, text)
-    with contextlib.closing(Run(folder / "start.py", made, Sandbox.of(made, tmp_path), {})) as run:
+    with contextlib.closing(Run(Sandbox(made, tmp_path), {})) as run:
         until(lambda: not run.running, "the program has ended")
         run.check()

@@ -12,12 +12,8 @@ import pytest
 from robots import END_S, ROOT, Stage, ready, until, untraced
 from shell import CLI, beatrix
 
-from beatrix_zenoh.contract._generated.robot import GeometryData, RobotData
-from hw_node.body import VirtualHardware
-
 SHORT_RIGHT = "short\nccw\n"
 RIGHT = SHORT_RIGHT + "middle\ncounter\nlong\nanticlockwise\n"
-AZIMUTH = "90\n"
 BACK_AT = 0.1
 """Tolerance (deg); a microstep is 0.086 deg."""
 
@@ -42,7 +38,7 @@ def jog(alone: Stage, answers: str, *more: str) -> subprocess.CompletedProcess[s
 @pytest.mark.parametrize(
     ("answers", "advice", "missing"),
     [
-        (RIGHT + AZIMUTH, ["All three motors are plugged in correctly."], "Switch"),
+        (RIGHT, ["All three motors are plugged in correctly."], "Switch"),
         (
             "m\nc\ncounter\ns\ncw\nl\ncc\n",
             [
@@ -54,7 +50,6 @@ def jog(alone: Stage, answers: str, *more: str) -> subprocess.CompletedProcess[s
             ],
             "No arm turned",
         ),
-        (RIGHT + "30\n", ["[geometry]\narm0_azimuth = 30.0"], "Switch"),
         (
             SHORT_RIGHT + "none\nl\ncw\n",
             [
@@ -66,7 +61,7 @@ def jog(alone: Stage, answers: str, *more: str) -> subprocess.CompletedProcess[s
         ),
         ("s\nccw\ns\nccw\nl\nccw\n", ["each arm turns once"], "Switch"),
     ],
-    ids=["right", "swapped", "elsewhere", "silent", "twice"],
+    ids=["right", "swapped", "silent", "twice"],
 )
 def test_three_jogs_find_wrong_plugs(alone: Stage, answers: str, advice: list[str], missing: str) -> None:
     alone.node("bea")
@@ -76,16 +71,7 @@ def test_three_jogs_find_wrong_plugs(alone: Stage, answers: str, advice: list[st
         assert line in done.stdout + done.stderr
     assert missing not in done.stdout + done.stderr
     assert done.returncode == (0 if advice[0].startswith("All") else 1)
-    assert ("Where does the short arm point" in done.stderr) == (answers.startswith(RIGHT))
     assert robot.positions().commanded == pytest.approx((0, 0, 0), abs=BACK_AT)
-
-
-def test_arms_are_correct_if_the_robot_file_has_their_azimuth(alone: Stage) -> None:
-    robot = RobotData(geometry=GeometryData(arm0_azimuth=30.0))
-    alone.node("bea", VirtualHardware("bea", robot), robot)
-    ready(alone.robot("bea", "hw"))
-    done = jog(alone, RIGHT + "30\n")
-    assert (done.returncode, done.stdout) == (0, "All three motors are plugged in correctly.\n")
 
 
 def test_with_motors_off_jog_is_refused_before_any_question_and_names_enable_for_the_hardware(

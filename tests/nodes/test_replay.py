@@ -77,7 +77,7 @@ def check_path(live: Recording, played: Following) -> None:
     A pause of the computer shifts what follows it, so each set point is compared with the path within PAUSE_S of its
     time; the times are aligned at the first movement.
     """
-    t = np.arange(-0.5, played.duration_s + 0.5, 0.005)
+    t = np.arange(-0.5, played.path.duration_s + 0.5, 0.005)
     path = played.path.at(t)
     arms = live.arms
     begin = int(np.argmax(np.max(np.abs(arms.angles - arms.angles[0]), axis=1) > 1.0))

@@ -13,8 +13,7 @@ import numpy.typing as npt
 from rerun.chunk import Chunk, RrdReader
 from rerun.error_utils import RerunWarning
 
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import Refused, bad_value
 from beatrix_zenoh.output import typed
 from beatrix_zenoh.recording.samples import Nanoseconds
 from beatrix_zenoh.recording.viewer import check_recording
@@ -125,8 +124,7 @@ def _chunks(path: Path, entities: Sequence[str]) -> Iterator[tuple[int, Chunk]]:
             for chunk in stream.filter(content=list(entities)) if entities else stream:
                 yield number, chunk
     except (ValueError, OSError, RuntimeError) as error:
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"{path} is damaged ({str(error).splitlines()[0].rpartition(': ')[2]}): its recorder was killed, the disk was full, or "
             f"the file was copied only in part. `{typed('beatrix', 'record', '--repair', path)}` keeps all readable data.",
         ) from error
@@ -134,8 +132,7 @@ def _chunks(path: Path, entities: Sequence[str]) -> Iterator[tuple[int, Chunk]]:
 
 def foreign(files: str, entity: str) -> Refused:
     """Return the error for rows that `beatrix record` does not write."""
-    return Refused(
-        Reason.BAD_VALUE,
+    return bad_value(
         f"{files}: the rows of {entity} are not as `beatrix record` of this version writes them. Use the original file of the "
         "recorder, or update BEATRIX if a newer version recorded it.",
     )

@@ -11,9 +11,9 @@ import msgspec
 import numpy as np
 
 from beatrix_zenoh.client.session import Place
-from beatrix_zenoh.contract._generated.messages import Event, Reason
+from beatrix_zenoh.contract._generated.messages import Event
 from beatrix_zenoh.contract.codec import decode_json
-from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.contract.errors import BeatrixError, bad_value
 from beatrix_zenoh.contract.names import EYES, SIDES
 from beatrix_zenoh.recording.rows import NOTES, of_robot
 from beatrix_zenoh.recording.rrd.columns import (
@@ -79,8 +79,7 @@ def read(*paths: Path) -> Recorded:
             if len(samples.time_ns):
                 robots[name, side] = samples
     if not robots:
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"{files} contains no positions of a robot on the timeline `{TIME}`. `beatrix record` writes recordings; if "
             "another program has changed one, use the original file.",
         )
@@ -139,8 +138,7 @@ def _check_parts(parts: Iterable[Mapping[Place, Span]], files: str) -> None:
                 if shared
                 else f"are {apart_ns / 3.6e12:.1f} h apart"
             )
-            raise Refused(
-                Reason.BAD_VALUE,
+            raise bad_value(
                 f"{files}: two of the recordings there {how}, so they are not parts of one recording (`beatrix record --rotate`). "
                 "Read them one by one; of a merged file, use the files that were merged.",
             )

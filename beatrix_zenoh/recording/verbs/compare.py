@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import bad_value
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.files import new_file
 from beatrix_zenoh.output import FAILED, note, print_json, progress_bar, say
 from beatrix_zenoh.recording.verbs.files import only, read_recording
+from beatrix_zenoh.settings import Settings, resolve
 from beatrix_zenoh.shutdown import signals_interrupt
 from beatrix_zenoh.terminal.options import Connect, Json, Name, Which, Who, finite
-from beatrix_zenoh.terminal.targets import Selection, open_targets
+from beatrix_zenoh.terminal.targets import open_robots
 
 if TYPE_CHECKING:  # importing numpy would delay `beatrix --help` by 0.1 s
     from beatrix_zenoh.recording.compare import Comparison
@@ -82,7 +82,7 @@ def compare(
     from beatrix_zenoh.recording.verbs.comparison_text import as_document, text
 
     thresholds = Thresholds(max_lag, max_rms, max_largest, max_rest, max_missed)
-    sim, hw = live(Selection(name, connect, who), seconds) if source == LIVE else recorded(Path(source), name)
+    sim, hw = live(resolve(name, connect, who), seconds) if source == LIVE else recorded(Path(source), name)
     found = compared(source, sim, hw)
     if png is not None:
         draw(png, found, f"{sim.place[0]}: simulation and hardware")
@@ -102,18 +102,18 @@ def compared(source: str, sim: Recording, hw: Recording) -> Comparison:
     try:
         return compare(sim, hw)
     except ValueError as error:
-        raise Refused(Reason.BAD_VALUE, f"{source}: {error}. Record or measure for longer.") from error
+        raise bad_value(f"{source}: {error}. Record or measure for longer.") from error
 
 
-def live(selection: Selection, seconds: float) -> tuple[Recording, Recording]:
+def live(settings: Settings, seconds: float) -> tuple[Recording, Recording]:
     """Measure both robots of a name; raises NoAnswer if one is not online."""
     from beatrix_zenoh.recording.series import record_robots
 
     title = "Measuring: move both robots"
-    with open_targets(selection, Which.BOTH) as targets, progress_bar(title, seconds) as bar:
+    with open_robots(settings, Which.BOTH) as robots, progress_bar(title, seconds) as bar:
         if bar is None:
             note(f"Measuring for {seconds:g} s: move both robots.")
-        sim, hw = record_robots(targets.robots(), seconds, bar or (lambda _passed_s: None))
+        sim, hw = record_robots(robots, seconds, bar or (lambda _passed_s: None))
     return sim, hw
 
 
@@ -143,12 +143,11 @@ def draw(path: Path, found: Comparison, title: str) -> None:
     try:
         from beatrix_zenoh.recording.plot import twin_figure
     except ModuleNotFoundError as error:
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f'--png needs {error.name}. Run `pip install ".[plot]"` in the folder of BEATRIX.',
         ) from error
     if path.suffix.lower() != ".png":
-        raise Refused(Reason.BAD_VALUE, f"--png {path}: the name must end in .png.")
+        raise bad_value(f"--png {path}: the name must end in .png.")
     with signals_interrupt(), new_file(path) as unfinished:
         twin_figure(found, title).savefig(unfinished, dpi=150)
     note(f"The plot is in {path}.")

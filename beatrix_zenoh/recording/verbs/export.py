@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import bad_value
 from beatrix_zenoh.contract.names import SIDE_TITLES, SIDES
 from beatrix_zenoh.files import check_new, new_file
 from beatrix_zenoh.output import print_json, progress_bar, say
@@ -152,8 +151,7 @@ def written(path: Path, found: Table) -> int:
     with new_file(path) as unfinished:
         rows = write_table(unfinished, found.grid())
         if not rows:
-            raise Refused(
-                Reason.BAD_VALUE,
+            raise bad_value(
                 f"{path} is not written: no samples are in this part of the recording. Change --from or --to.",
             )
     return rows
@@ -184,8 +182,7 @@ def check_options(video: Path | None, sound: Path | None, eye: EyeName | None, o
     try:
         import beatrix_zenoh.recording.film  # noqa: F401
     except ModuleNotFoundError as error:
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f'--video needs {error.name}. Run `pip install ".[video]"` in the folder of BEATRIX.',
         ) from error
 
@@ -218,7 +215,7 @@ def written_film(
     with new_file(path) as unfinished:
         count = write_video(unfinished, watched(frames, table))
         if not count:
-            raise Refused(Reason.BAD_VALUE, f"{path} is not written: this span contains no whole picture.")
+            raise bad_value(f"{path} is not written: this span contains no whole picture.")
     return count, max(0, len(pictures) - count), shows
 
 

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from beatrix_zenoh.client.session import Place
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import Refused, bad_value
 from beatrix_zenoh.output import note, print_json, say, typed
 from beatrix_zenoh.recording.viewer import check_exists, complete, program, repair, verify
 
@@ -26,8 +25,7 @@ def read_recording(*paths: Path) -> Recorded:
     try:
         from beatrix_zenoh.recording.rrd.read import read
     except ModuleNotFoundError as error:
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f'Reading a recording needs {error.name}. Run `pip install ".[rerun]"` in the folder of BEATRIX.',
         ) from error
     found = read(*paths)
@@ -50,8 +48,7 @@ def only(candidates: Iterable[Place], name: str | None, side: str | None, what: 
     if len(chosen) == 1:
         return chosen[0]
     listed = ", ".join(f"{robot} ({side})" for robot, side in held) or "no robot"
-    raise Refused(
-        Reason.BAD_VALUE,
+    raise bad_value(
         f"This part of the recording has {what} {listed}: choose one robot with --name, and --on sim or --on hw where it has both.",
     )
 
@@ -96,11 +93,11 @@ def repair_recording(path: Path, *, as_json: bool) -> None:
     unfinished, kept = path.with_suffix(f".repaired{RECORDING}"), path.with_name(path.name + DAMAGED)
     try:
         if why := repair(path, unfinished):
-            raise Refused(Reason.BAD_VALUE, f"{path} cannot be repaired: {why}")
+            raise bad_value(f"{path} cannot be repaired: {why}")
         try:
             read(unfinished)
         except Refused as error:
-            raise Refused(Reason.BAD_VALUE, f"{path} cannot be repaired: {EMPTY}") from error
+            raise bad_value(f"{path} cannot be repaired: {EMPTY}") from error
         path.replace(kept)
         unfinished.replace(path)
     finally:

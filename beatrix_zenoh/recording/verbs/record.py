@@ -22,7 +22,7 @@ from beatrix_zenoh.recording.viewer import PORT, program
 from beatrix_zenoh.settings import Settings, resolve
 from beatrix_zenoh.shutdown import POLL_S, Shutdown
 from beatrix_zenoh.terminal.options import Cameras, Connect, Json, Names, On, ViewerPort, Which, Who, finite
-from beatrix_zenoh.terminal.targets import Selection, open_targets
+from beatrix_zenoh.terminal.targets import open_robots
 
 if TYPE_CHECKING:  # importing numpy and rerun would delay every verb
     from beatrix_zenoh.recording.outputs import FileOutput, Output
@@ -108,10 +108,9 @@ def record(
     refusals and pictures. Robots may start and end during the recording. `beatrix view FILE.rrd` shows it.
     """
     if motion:
-        selection = Selection(name[0] if name else None, connect, who)
         if sound:
             raise typer.BadParameter("--sound needs a recording (.rrd): a motion file contains no sound.")
-        write_motion(file, name or (), selection, on, seconds, keep_rest=keep_rest, as_json=as_json)
+        write_motion(file, name or (), connect, who, on, seconds, keep_rest=keep_rest, as_json=as_json)
         return
     if on is not None:
         raise typer.BadParameter("--on needs --motion: a recording contains both simulation and hardware.")
@@ -211,7 +210,8 @@ def wait(recorder: Recorder, shutdown: Shutdown, seconds: float, output: FileOut
 def write_motion(
     file: Path,
     names: Sequence[str],
-    selection: Selection,
+    connect: str | None,
+    who: str | None,
     on: Which | None,
     seconds: float,
     *,
@@ -226,8 +226,7 @@ def write_motion(
     if len(names) > 1 or on is Which.BOTH:
         raise typer.BadParameter("--motion records one robot: give one --name, and --on sim or --on hw.")
     check_new(file)
-    with open_targets(selection, on) as targets:
-        (robot,) = targets.robots()
+    with open_robots(resolve(names[0] if names else None, connect, who), on) as (robot,):
         shutdown = Shutdown()
         shutdown.handle_signals()
         note(f"Recording {robot} into {file}. Move the robot; Ctrl-C ends the recording.")

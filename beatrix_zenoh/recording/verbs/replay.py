@@ -11,17 +11,16 @@ import typer
 
 from beatrix_zenoh.client import motion_file
 from beatrix_zenoh.client.degrees import FASTEST, SLOWEST, RobotInfo, checked_factor, robot_of
-from beatrix_zenoh.client.twin import Twin
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
+from beatrix_zenoh.contract.errors import BeatrixError, wrong_usage
 from beatrix_zenoh.motion.limits import MotionLimits
 from beatrix_zenoh.output import note, progress_bar
 from beatrix_zenoh.recording.verbs.files import RECORDING, only, read_recording
-from beatrix_zenoh.terminal.options import Connect, Json, Name, On, Who, finite
+from beatrix_zenoh.settings import resolve
+from beatrix_zenoh.terminal.options import Connect, Json, Lead, Name, On, Who, finite
 from beatrix_zenoh.terminal.targets import (
-    Selection,
     check_lead,
-    open_targets,
+    one_or_twin,
+    open_robots,
     show_positions,
     stop_on_interrupt,
 )
@@ -44,13 +43,7 @@ def replay(
             help=f"Replay this many times as fast, from {SLOWEST:g} to {FASTEST:g}: 0.5 takes twice the time.",
         ),
     ] = 1.0,
-    lead: Annotated[
-        float,
-        typer.Option(
-            metavar="S",
-            help="With --on both: the hardware follows this many seconds after the simulation.",
-        ),
-    ] = 0.0,
+    lead: Lead = 0.0,
     begin: Annotated[
         float,
         typer.Option(
@@ -72,18 +65,16 @@ def replay(
     checked_factor(speed_factor)
     check_lead(lead, on)
     path_for = read_path(file)
-    with open_targets(Selection(name, connect, who), on, acts=True) as targets:
-        robots = targets.robots()
+    with open_robots(resolve(name, connect, who), on, acts=True) as robots:
         infos = [robot.info() for robot in robots]
-        path = path_for(targets.name, infos[0]).beginning(begin)
+        path = path_for(robots[0].name, infos[0]).beginning(begin)
         following = plan_path(path.at_speed(speed_factor), infos)
-        with stop_on_interrupt(robots, as_json=as_json), progress(following) as passed:
-            if len(robots) > 1:
-                settings = targets.client.settings
-                with Twin(targets.name, connect=settings.connect, who=settings.who) as twin:
-                    perform(twin, following, passed, lead_s=lead)
-            else:
-                perform(robots[0], following, passed)
+        with (
+            stop_on_interrupt(robots, as_json=as_json),
+            progress(following) as passed,
+            one_or_twin(robots) as both,
+        ):
+            perform(both, following, passed, lead_s=lead)
         show_positions(robots, as_json=as_json)
 
 
@@ -102,8 +93,8 @@ def read_path(file: Path) -> Callable[[str, RobotInfo], ArmPath]:
     try:
         read = motion_file.read(file)
     except OSError as error:
-        raise WrongUsage(
-            Reason.BAD_VALUE, f"{file} cannot be read: {error.strerror}. Name a motion file or a recording."
+        raise wrong_usage(
+            f"{file} cannot be read: {error.strerror}. Name a motion file or a recording."
         ) from error
     return lambda _name, info: path_of(read, MotionLimits(robot_of(info)))
 
@@ -137,7 +128,7 @@ def plan_path(path: ArmPath, infos: list[RobotInfo]) -> Following:
         note(f"Checking a path of {path.duration_s:.0f} s.")
     following, *_ = [follow(path, robot) for robot in robots_of(infos)]
     note(
-        f"Checked: {following.duration_s:.1f} s, {len(following.targets)} targets; the arms stay within "
+        f"Checked: {following.path.duration_s:.1f} s, {len(following.targets)} targets; the arms stay within "
         f"{following.off_deg:.1f}° of the path."
     )
     return following
@@ -155,10 +146,10 @@ def progress(following: Following) -> Iterator[Callable[[float], None]]:
             bar(passed_s)
 
     try:
-        with progress_bar("Replay", following.duration_s) as bar:
+        with progress_bar("Replay", following.path.duration_s) as bar:
             yield show
     except (BeatrixError, KeyboardInterrupt):
-        if 0.0 < latest_s < following.duration_s:
+        if 0.0 < latest_s < following.path.duration_s:
             given_s = following.path.given_s(latest_s)
             note(f"The replay ended at {given_s:.1f} s; --from {given_s:.1f} continues there.")
         raise

@@ -12,6 +12,7 @@ from typing import Final
 import msgspec
 
 from beatrix_zenoh.client.robot import Robot
+from beatrix_zenoh.contract import tracebacks
 from beatrix_zenoh.contract._generated.messages import Detail, Reason, TargetReply
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.processes import POLL_S, Child, Supervisor
@@ -31,7 +32,7 @@ STILL_S = 0.3
 
 
 class Failure(msgspec.Struct, frozen=True):
-    """The last line of a program that an error of the SDK has ended, as `beatrix` prints it."""
+    """The last line of a program that an error of the SDK has ended, as `tracebacks` prints it."""
 
     reason: Reason
     message: str
@@ -73,6 +74,7 @@ class Following(Program):
             "BEATRIX_WHO": settings.who,
             "PYTHONUNBUFFERED": "1",
             "PYTHONIOENCODING": "utf-8",
+            tracebacks.VARIABLE: tracebacks.DATA,
         }
         children = Supervisor(environment)
         with walking(settings) if self.sides[0] == "sim" else contextlib.nullcontext():

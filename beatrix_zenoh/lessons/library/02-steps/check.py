@@ -51,4 +51,6 @@ def check(attempt: Attempt) -> None:
 def resting(seen: Seen, begin: float, end: float) -> float:
     """Return the angle (deg) of the short arm between the end of a motion and the next one, the median of the readings."""
     inside = (seen.t >= begin + 0.02) & (seen.t <= end - 0.02)
-    return float(np.median(seen.short[inside]) if inside.any() else np.interp(end, seen.t, seen.short))
+    return float(
+        np.median(seen.arms[:, 0][inside]) if inside.any() else np.interp(end, seen.t, seen.arms[:, 0])
+    )

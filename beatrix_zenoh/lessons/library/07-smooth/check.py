@@ -2,7 +2,7 @@ import numpy as np
 
 from beatrix_zenoh.lessons import slips
 from beatrix_zenoh.lessons.attempt import Attempt
-from beatrix_zenoh.lessons.measures import rate, rms
+from beatrix_zenoh.lessons.measures import rms
 
 WAY, TOP, ACCELERATION = 30, 30, 180
 TIME = WAY / TOP + TOP / ACCELERATION
@@ -34,10 +34,10 @@ def check(attempt: Attempt) -> None:
 
     run = attempt.bench("angle", seconds=2, speed=60)
     commanded = run.commanded[:, 0]
-    speed = rate(run.t, commanded)
+    speed = np.gradient(commanded, run.t)
     slowest = speed[(commanded > 6) & (commanded < 24)].min()
     attempt.require("middle", slowest > MIDDLE, slowest=slowest)
-    jerk = rms(rate(run.t, rate(run.t, speed)))
+    jerk = rms(np.gradient(np.gradient(speed, run.t), run.t))
     attempt.require("jerk", jerk < JERK, jerk=jerk)
 
     seen = attempt.observe()

@@ -12,7 +12,7 @@ import simplejpeg
 from beatrix_zenoh.lessons import slips
 from beatrix_zenoh.lessons.attempt import Attempt, Stage, Unmet
 from beatrix_zenoh.lessons.bench import Bench, Course
-from beatrix_zenoh.lessons.measures import at, rms
+from beatrix_zenoh.lessons.measures import rms
 from beatrix_zenoh.lessons.checking import BUSY_CORES
 from beatrix_zenoh.lessons.phrases import NotMeasurable, busy
 
@@ -110,7 +110,7 @@ def live(attempt: Attempt, picture_ms: float) -> None:
     moved = next((at_s for at_s, _ in seen.motions), 0.0)
     first = min(max(FIRST_S, moved + CATCH_UP_S), LAST_S)
     counts = (seen.t > first) & (seen.t < LIVE_S)
-    off = rms(at(times, person, seen.t[counts]) - seen.yaw[counts])
+    off = rms(np.interp(seen.t[counts], times, person) - seen.yaw[counts])
     if off >= FACE:
         light(attempt, picture_ms)
         enough(np.array([moment for moment in drawn if first < moment < LIVE_S]), first)

@@ -7,7 +7,7 @@ import numpy as np
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lessons import slips
 from beatrix_zenoh.lessons.attempt import Attempt, Seen, Stage, Unmet
-from beatrix_zenoh.lessons.measures import at, rms
+from beatrix_zenoh.lessons.measures import rms
 
 LEADER, FOLLOWER = "bea1", "bea2"
 SIGNS = np.array([-1.0, 1.0, -1.0])
@@ -119,7 +119,7 @@ def delay(leader: Seen, follower: Seen) -> tuple[float, float]:
     best = (0.0, np.inf)
     for lag in np.arange(0.0, 2.0, 0.02):
         off = max(
-            rms(SIGNS[i] * at(leader.t, leader.head[:, i], follower.t - lag) - follower.head[:, i])
+            rms(SIGNS[i] * np.interp(follower.t - lag, leader.t, leader.head[:, i]) - follower.head[:, i])
             for i in range(3)
         )
         if off < best[1]:
