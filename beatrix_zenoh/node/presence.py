@@ -11,6 +11,7 @@ from beatrix_zenoh.contract._generated.messages import EventKind, Reason
 from beatrix_zenoh.contract.errors import NoAnswer, Refused
 from beatrix_zenoh.node.callers import RETURN_S, SETTLE_S, Caller
 from beatrix_zenoh.node.controller import MotionController
+from beatrix_zenoh.node.events import new_event
 from beatrix_zenoh.node.interfaces import Component
 from beatrix_zenoh.node.requests import Requests
 
@@ -76,12 +77,12 @@ class ClientWatch(Component):
         self._queue.post_event(lambda: self._router_changed(now_s, connected=connected))
         if connected:
             text = f"The router at {self._endpoint} is connected again."
-            self._events.add(EventKind.ROUTER, message=text)
+            self._events.add(new_event(kind=EventKind.ROUTER, message=text))
             return
         text = (
             f"The router at {self._endpoint} was lost: the node stops all motions and receives no requests."
         )
-        self._events.add(EventKind.ROUTER, reason=Reason.NO_ROUTER, message=text)
+        self._events.add(new_event(kind=EventKind.ROUTER, reason=Reason.NO_ROUTER, message=text))
 
     def _router_changed(self, now_s: float, *, connected: bool) -> None:
         self._connection_changed(now_s, connected=connected)
@@ -110,7 +111,7 @@ class ClientWatch(Component):
     def _refused(self, error: NoAnswer) -> None:
         """Report that the router refuses the account, on the watchdog's thread."""
         text = f"{error.message} Then start the node again: until then it receives no requests."
-        self._events.add(EventKind.ROUTER, reason=error.reason, message=text)
+        self._events.add(new_event(kind=EventKind.ROUTER, reason=error.reason, message=text))
 
     def close(self) -> None:
         """End the reports of the watchdog; the robot's token ends when the node closes its sessions."""

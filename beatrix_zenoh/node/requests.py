@@ -20,6 +20,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import msgspec
+from msgspec.structs import replace
 
 from beatrix_zenoh.bus import Incoming
 from beatrix_zenoh.contract import refusals
@@ -38,7 +39,7 @@ from beatrix_zenoh.contract._generated.messages import (
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node.callers import Caller
-from beatrix_zenoh.node.events import NodeEvents
+from beatrix_zenoh.node.events import NodeEvents, new_event
 from beatrix_zenoh.node.planner import vector
 
 CAPACITY = 64
@@ -214,21 +215,25 @@ class RequestHandle(msgspec.Struct, frozen=True):
             return
         motion = message if isinstance(message, MotionReply) else None
         done = motion is not None and motion.phase is Phase.DONE
-        arrives = motion is not None and (done or motion.reason is Reason.OK)
-        self.events.add(
-            self.kind,
+        query = None if done else self.query
+        event = new_event(
+            kind=self.kind,
             action=self.action,
-            caller=self.caller,
-            phase=None if motion is None else motion.phase,
+            seat=self.caller.seat,
+            session=self.caller.session,
             reason=message.reason,
             message=message.message,
-            motion=0 if motion is None else motion.motion,
-            duration_s=0.0 if motion is None else motion.duration,
             detail=message.detail,
             source=None if done else self.source,
-            query=None if done else self.query,
-            position=message.position if arrives and isinstance(message, MotionReply) else None,
+            motion_query=query if isinstance(query, MotionQuery) else None,
+            pose_query=query if isinstance(query, PoseQuery) else None,
         )
+        if motion is not None:
+            position = motion.position if done or motion.reason is Reason.OK else None
+            event = replace(
+                event, phase=motion.phase, motion=motion.motion, duration=motion.duration, position=position
+            )
+        self.events.add(event)
 
     def end(self, message: Reply) -> None:
         """Send the last reply."""

@@ -29,8 +29,7 @@ from beatrix_zenoh.contract._generated.messages import (
 from beatrix_zenoh.contract.errors import quoted
 from beatrix_zenoh.contract.rows import KeyRow
 from beatrix_zenoh.contract.values import rows
-from beatrix_zenoh.node.callers import Caller
-from beatrix_zenoh.node.events import NodeEvents
+from beatrix_zenoh.node.events import NodeEvents, new_event
 from beatrix_zenoh.node.interfaces import Component
 from beatrix_zenoh.node.snapshot import Snapshot
 from beatrix_zenoh.schedule import SLACK_S, Schedule, ScheduledTask
@@ -49,12 +48,12 @@ class StatusEvents:
         """Record another holder, and a lost or connected board, as events."""
         if status.holder != self._holder:
             text = f"{status.holder} drives." if status.holder else f"{self._holder} has freed the robot."
-            self._events.add(EventKind.LEASE, caller=Caller(status.holder, ""), message=text)
+            self._events.add(new_event(kind=EventKind.LEASE, seat=status.holder, message=text))
         trouble = board_trouble(status)
         if trouble != self._trouble:
             reason = Reason.BOARD_LOST if trouble else Reason.OK
             text = trouble or f"The board at {status.board.port} is connected."
-            self._events.add(EventKind.BOARD, reason=reason, message=text)
+            self._events.add(new_event(kind=EventKind.BOARD, reason=reason, message=text))
         self._holder, self._trouble = status.holder, trouble
 
 

@@ -8,6 +8,7 @@ from collections.abc import Callable
 import msgspec
 import pytest
 from golden import same
+from msgspec.structs import replace
 from statuses import BOARD, READY
 
 from beatrix_zenoh.account import Account
@@ -24,6 +25,7 @@ from beatrix_zenoh.node.events import (
     WINDOW_S,
     Diagnostics,
     NodeEvents,
+    new_event,
 )
 from beatrix_zenoh.node.state import StatusEvents
 from beatrix_zenoh.settings import Settings
@@ -52,7 +54,8 @@ def log(clock: Clock) -> NodeEvents:
 
 
 def add(log: NodeEvents, message: str, seat: Caller = ANA) -> None:
-    log.add(EventKind.MOTION, action="pose", caller=seat, phase=Phase.ACCEPTED, message=message)
+    event = new_event(kind=EventKind.MOTION, action="pose", seat=seat.seat, session=seat.session)
+    log.add(replace(event, phase=Phase.ACCEPTED, message=message))
 
 
 def test_events_are_numbered_and_published_once(log: NodeEvents) -> None:
@@ -135,11 +138,13 @@ def test_stops_are_counted_from_the_start_however_many_events_follow() -> None:
     """A seat removed its STOPs from the counts of `top` with 200 refused requests."""
     events = NodeEvents(lambda: 0.0)
     for number in range(3 * BURST):
-        events.add(EventKind.STOP, action="STOP", caller=("cem", f"{number % 2}"))
-    events.add(EventKind.STOP, action="STOP", caller=("cem", ""), reason=Reason.BOARD_LOST)
-    events.add(EventKind.STOP, action="STOP", caller=("ana", ""), reason=Reason.MUTED)
+        events.add(new_event(kind=EventKind.STOP, action="STOP", seat="cem", session=f"{number % 2}"))
+    events.add(new_event(kind=EventKind.STOP, action="STOP", seat="cem", reason=Reason.BOARD_LOST))
+    events.add(new_event(kind=EventKind.STOP, action="STOP", seat="ana", reason=Reason.MUTED))
     for number in range(2 * KEPT):
-        events.add(EventKind.MOTION, caller=("cem", f"{number}"), reason=Reason.NOT_HOLDER)
+        events.add(
+            new_event(kind=EventKind.MOTION, seat="cem", session=f"{number}", reason=Reason.NOT_HOLDER)
+        )
     assert not any(event.kind is EventKind.STOP for event in events.latest().events)
     assert events.stops() == [SeatCount(seat="cem", count=3 * BURST + 1)], (
         "not the one that the robot refused"
@@ -149,8 +154,8 @@ def test_stops_are_counted_from_the_start_however_many_events_follow() -> None:
 def test_no_more_seats_than_the_limit_are_counted() -> None:
     events = NodeEvents()
     for number in range(STOP_SEATS + 5):
-        events.add(EventKind.STOP, caller=(f"seat{number}", ""))
-    events.add(EventKind.STOP, caller=("seat0", ""))
+        events.add(new_event(kind=EventKind.STOP, seat=f"seat{number}"))
+    events.add(new_event(kind=EventKind.STOP, seat="seat0"))
     assert len(events.stops()) == STOP_SEATS
     assert events.stops()[0] == SeatCount(seat="seat0", count=2)
 
