@@ -153,13 +153,7 @@ class Unanswered(msgspec.Struct, frozen=True):
 
     def _reads_clock(self) -> bool:
         """Return whether the robot answers a query that every account may send."""
-        query = self.client.bus.query(keys.clock(*self.place), timeout_s=CLOCK_S)
-        try:
-            return query.next(CLOCK_S) is not None
-        except TimeoutError:
-            return False
-        finally:
-            query.close()
+        return self.client.bus.query(keys.clock(*self.place), timeout_s=CLOCK_S).is_answered(CLOCK_S)
 
 
 def publishing(bus: Bus, places: Collection[Place]) -> set[Place]:

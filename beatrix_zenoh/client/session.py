@@ -20,7 +20,7 @@ import msgspec
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import threads
-from beatrix_zenoh.bus import CLOSED, Bus, Incoming, ProcessBound, Reply
+from beatrix_zenoh.bus import CLOSED, Bus, Incoming, ProcessBound, Received, Reply
 from beatrix_zenoh.contract import codec, printable
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason, Source
@@ -143,7 +143,7 @@ class Client(ProcessBound, Closable):
         self.seen.update(present)
         return present
 
-    def read(self, answer: Reply, kind: type[M]) -> M | None:
+    def read(self, answer: Reply | Received, kind: type[M]) -> M | None:
         """Decode a reply or publication; if it cannot be decoded, log this once for each sender and return None."""
         try:
             return codec.decode(answer.payload, kind)
@@ -151,7 +151,7 @@ class Client(ProcessBound, Closable):
             self.report(answer, f"ignored: {error} The sender is a foreign program or has another version.")
             return None
 
-    def report(self, answer: Reply, what: str) -> None:
+    def report(self, answer: Reply | Received, what: str) -> None:
         """Log an error of a reply or publication once for each sender."""
         self._reporter.report(answer.sender, answer.key, what)
 

@@ -15,12 +15,13 @@ import numpy.typing as npt
 from msgspec import structs
 
 from beatrix_zenoh import wav
+from beatrix_zenoh.bus import Received
 from beatrix_zenoh.client.degrees import checked_number
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.client.subscription import Arrival, Sample, Subscription
+from beatrix_zenoh.client.subscription import Arrival, Subscription
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason, SoundHeader
-from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
+from beatrix_zenoh.contract.errors import WrongUsage
 
 SILENCE_S: Final = 5.0
 """Time limit (s) for a block of sound; a device may need seconds for the first one."""
@@ -199,11 +200,10 @@ class Microphones(Subscription[Sound]):
         """Lost, duplicated and late blocks up to the newest block that was read."""
         return replace(self._order.faults)
 
-    def _read(self, sample: Sample) -> Arrival[Sound] | None:
-        arrival = super()._read(sample)
-        return (
-            arrival if arrival is not None and self._order.accept(arrival.value, sample.t_mono_ns) else None
-        )
+    def _read(self, received: Received) -> Arrival[Sound] | None:
+        arrival = super()._read(received)
+        heard = arrival is not None and self._order.accept(arrival.value, received.t_mono_ns)
+        return arrival if heard else None
 
     def listen(self, seconds: float) -> Sound:
         """Return the next `seconds` of sound as one piece, with zeros in place of lost blocks; see `Sound.lost`.
@@ -224,18 +224,6 @@ class Microphones(Subscription[Sound]):
                 raise self._silence(SILENCE_S)
             blocks.append(self.next())
         return joined(blocks, wanted)
-
-    def _silence(self, timeout_s: float) -> NoAnswer:
-        error = super()._silence(timeout_s)
-        if error.reason is not Reason.TIMED_OUT:
-            return error
-        parts = keys.parse(self._key)
-        name = self._key if parts is None else f"{parts.robot} ({parts.side})"
-        return NoAnswer(
-            Reason.TIMED_OUT,
-            f"{name}: no sound for {timeout_s:g} s. The field `microphones` of the robot's status gives the cause; if it "
-            "is missing, the robot has none: start its node with `beatrix hw --microphones DEVICE`.",
-        )
 
 
 def mono(path: Path) -> bytes:
@@ -274,15 +262,14 @@ def joined(blocks: list[Sound], wanted: int) -> Sound:
     return structs.replace(first, samples=samples, lost=wanted - int(heard.sum()), dropped=blocks[-1].dropped)
 
 
-def sound(client: Client, sample: Sample) -> Sound | None:
+def sound(client: Client, received: Received) -> Sound | None:
     """Convert a publication to a block; log a warning and return None if it is not sound with a valid header."""
-    received = sample.received
-    header = client.read(sample.header, SoundHeader)
+    header = client.read(received.header, SoundHeader)
     if header is None:
         return None
     if not received.payload or len(received.payload) % _FRAME or not header.rate:
         text = f"ignored: {len(received.payload)} bytes at {header.rate} Hz are no sound. Another program publishes on this key: end it."
-        client.report(sample.header, text)
+        client.report(received, text)
         return None
     samples = np.frombuffer(received.payload, "<i2").reshape(-1, 2).astype(np.float32) / np.float32(
         _FULL_SCALE

@@ -123,7 +123,7 @@ class StopHandler(Component):
         One that comes after the query of the same press, which has done its work, could end the caller's next motion.
         """
         # The seat is that of the key, which the router of a class checks; any client can forge a session id.
-        caller = Caller(seat_of(received.key, served) or self._unsigned, received.session)
+        caller = Caller(seat_of(received.key, served) or self._unsigned, received.sender)
         press = received.attachment or b""
         if is_stop(received.key) and self._recorded.get((caller.seat, press)) != "query":
             events = self._events(caller.seat, "put", press)

@@ -160,7 +160,7 @@ def test_a_put_after_the_query_of_its_press_does_not_stop_the_next_motion(
     assert len(pressed) == 1
     put = stage.network.puts["beatrix/bea/hw/stop/*"]
     for press, presses in ((b"press 1", 1), (b"press 2", 2), (b"", 3), (None, 4)):
-        put(Received(key, b"", "ana", press))
+        put(Received(key, b"", "ana", press, 0, 0))
         assert len(pressed) == presses, press
 
 
