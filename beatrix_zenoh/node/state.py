@@ -352,8 +352,7 @@ class StateQueries(QueryThread):
         super().start(sessions)
         for traffic, expressions in REST.items():
             for expression in expressions:
-                sessions.serve_rest(
-                    traffic,
+                sessions.session(traffic).serve(
                     f"{self._unknown.base}{expression}",
                     lambda incoming: self.post(lambda: self._refuse(incoming)),
                     self._unknown.has,

@@ -88,7 +88,7 @@ class StopHandler(Component):
         # The watchdog checks the first key of a session, and the account of a robot may not query STOP without a seat.
         for key in (keys.stop(name, side, "*"), keys.stop_unsigned(name, side)):
             sessions.serve(key, partial(self._query, key))
-            sessions.subscribe_newest(
+            sessions.control.subscribe_newest(
                 key, partial(self._put, key), lambda key: self.repeats(key, time.monotonic())
             )
 

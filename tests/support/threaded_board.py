@@ -5,7 +5,8 @@ from __future__ import annotations
 import threading
 import time
 
-from beatrix_zenoh.board.state import Port, TimedPort
+from beatrix_zenoh.board.state import Port
+from beatrix_zenoh.board.virtual import TimedPort
 from hw_node.body import VirtualHardware
 
 
@@ -16,7 +17,7 @@ class ThreadedPort:
         self._port, self.name, self.boot_s = port, port.name, port.boot_s
         self.write, self.wake = port.write, port.wake
         self._woken, self._closed = threading.Event(), False
-        port.on_wake(self._woken.set)
+        port.notify = self._woken.set
 
     def read(self, timeout_s: float) -> bytes:
         """Return what the board sends, after at most `timeout_s`; empty after `close`."""

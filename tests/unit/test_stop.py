@@ -27,12 +27,10 @@ from hw_node.body import VirtualHardware
 class Unconnected:
     """Sessions of a node that no client can reach."""
 
-    class Control:
-        endpoint = "tcp/127.0.0.1:1"
-
-    control = Control()
+    endpoint = "tcp/127.0.0.1:1"
 
     def __init__(self) -> None:
+        self.control = self
         self.queries: dict[str, Callable[[Incoming], None]] = {}
         self.puts: dict[str, Callable[[Received], None]] = {}
 
