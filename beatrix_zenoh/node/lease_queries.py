@@ -41,7 +41,7 @@ class LeaseState(NamedTuple):
     """seat; empty: the robot is free"""
     lease: int
     """number of the lease that the holder has taken; 0: the robot is free, or a seat holds it only by its motion"""
-    waiting: tuple[str, ...]
+    waiting: list[str]
     """seats, the next first"""
     turn_s: int = 0
     """time until the turn of the holder ends (s, rounded up); 0: no end is set"""
@@ -53,7 +53,7 @@ def standing(access: Access, now_s: float) -> LeaseState:
         holder, number = access.lease.holder(now_s), access.lease.number(now_s)
         left_s = access.lease.left_s(now_s)
         turn_s = math.ceil(left_s) if math.isfinite(left_s) else 0
-        return LeaseState(holder, number, tuple(access.lease.waiting()), turn_s)
+        return LeaseState(holder, number, access.lease.waiting(), turn_s)
 
 
 def take(access: Access, caller: Caller, now_s: float, *, wait: bool = False, terms: Terms = NO_TERMS) -> int:
@@ -114,8 +114,7 @@ class LeaseHandler(Component):
         sessions.serve(self._key, self._query)
 
     def contribute(self, status: StatusFields) -> None:
-        now = standing(self._access, time.monotonic())
-        status.values |= {**now._asdict(), "waiting": list(now.waiting)}
+        status.values |= standing(self._access, time.monotonic())._asdict()
         with self._access.lock:
             turn = self._access.lease.turn
             over, turn.over = turn.over, ""
@@ -253,6 +252,6 @@ class LeaseHandler(Component):
             message=text,
             lease=now.lease if now.holder == caller.seat else 0,
             holder=now.holder,
-            waiting=list(now.waiting),
+            waiting=now.waiting,
             detail=detail,
         )

@@ -5,7 +5,6 @@ Queries for keys that the robot does not have get an error reply.
 
 from __future__ import annotations
 
-import difflib
 import math
 import time
 from collections.abc import Callable
@@ -236,8 +235,6 @@ def change_fields(value: object) -> object:
     return value
 
 
-SIMILAR = 3
-"""Largest number of similar keys that a sentence names."""
 CACHED_KEYS = 256
 
 
@@ -258,26 +255,13 @@ class UnknownKeys:
 
     def error(self, key: str) -> ErrorReply:
         """Return the error reply to a query for a key that the robot does not have."""
-        queries = [known for known, kind in self._known.items() if "query" in kind]
-        candidates = [self._filled(known, key) for known in queries]
-        similar = difflib.get_close_matches(key.removeprefix(self.base), candidates, SIMILAR)
-        names = " or ".join(f"{self.base}{name}" for name in similar)
         refusal = refusals.bad_field(
             key,
-            f"This robot has no key {quoted(key)}. {f'Similar: {names}. ' if names else ''}{self.base}info lists all.",
-            [known.replace("*", "<who>") for known in queries],
+            f"This robot has no key {quoted(key)}. {self.base}info lists all.",
+            [known.replace("*", "<who>") for known, kind in self._known.items() if "query" in kind],
         )
         detail = refusal.detail or Detail()
         return ErrorReply(result=False, reason=refusal.reason, message=refusal.message, detail=detail)
-
-    def _filled(self, known: str, key: str) -> str:
-        """Return a known key without its beginning, with the chunks of `key` in place of its wildcards."""
-        given = key.split("/")
-        chunks = [
-            chunk if chunk != "*" else given[place] if place < len(given) else "me"
-            for place, chunk in enumerate(known.split("/"))
-        ]
-        return "/".join(chunks).removeprefix(self.base)
 
 
 REST = {"control": ("*", "*/*", "*/*/*/*", "*/*/*/*/*", "*/*/*/*/*/*"), "motion": ("*/*/*",)}

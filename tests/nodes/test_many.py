@@ -80,7 +80,7 @@ def test_a_robot_stops_while_another_is_flooded(many: Stage) -> None:
 def test_a_second_process_may_not_take_a_name(many: Stage) -> None:
     second = many.process("sim_node", "--name", "dan", "--name", "bob", "--connect", many.endpoint)
     assert second.wait() == 1
-    assert any("End it, or simulate the others: beatrix sim --name dan" in line for line in second.lines)
+    assert any("A sim robot named 'bob' is already online" in line for line in second.lines)
     with many.client() as client:
         robots = client.bus.robots()
     assert ("bob", "sim") in robots

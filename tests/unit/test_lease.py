@@ -51,15 +51,15 @@ def test_the_teacher_takes_a_robot_from_its_holder(access: Access) -> None:
 def test_a_lease_ends_with_its_session_and_the_first_waiting_seat_gets_the_robot(access: Access) -> None:
     take(access, ANA, 0)
     assert take(access, BEN, 1, wait=True) == take(access, CLEO, 2, wait=True) == 0
-    assert standing(access, 3).waiting == ("ben", "cleo")
+    assert standing(access, 3).waiting == ["ben", "cleo"]
     access.session_changed(BEN, 4, alive=False)
     access.session_changed(ANA, 4, alive=False)
     assert not access.give_up_sessions(4 + SETTLE_S / 2)
     now = standing(access, 4 + SETTLE_S / 2)
-    assert (now.holder, now.lease, now.waiting) == ("ana", 1, ("ben", "cleo"))
+    assert (now.holder, now.lease, now.waiting) == ("ana", 1, ["ben", "cleo"])
     access.give_up_sessions(4 + SETTLE_S)
     now = standing(access, 4 + SETTLE_S)
-    assert (now.holder, now.lease, now.waiting) == ("cleo", 2, ())
+    assert (now.holder, now.lease, now.waiting) == ("cleo", 2, [])
 
 
 def test_an_idle_holder_loses_the_robot_only_to_a_seat_that_waits(access: Access) -> None:
@@ -86,7 +86,7 @@ def test_give_back_removes_a_waiting_seat_from_the_queue(access: Access) -> None
     take(access, BEN, 0, wait=True)
     assert access.lease.give_back(BEN)
     assert not access.lease.give_back(BEN)
-    assert standing(access, 0).waiting == ()
+    assert standing(access, 0).waiting == []
 
 
 def test_the_teacher_ends_the_lease_of_a_seat(access: Access) -> None:

@@ -125,7 +125,7 @@ def test_earlier_and_new_events_are_merged(client: FakeClient) -> None:
     log = EventLog(cast("Client", client), 3)
     log.put(sent(codec.encode(event(3))))
     past = codec.encode(Events(events=[event(1), event(2), event(3)]))
-    log.put_past(Reply(KEY, past, codec.MSGPACK, error=False))
+    log.put_past(Reply(KEY, past))
     log.put(sent(b"garbage"))
     log.put(sent(codec.encode(event(4))))
     assert [found.seq for found in log.read()] == [2, 3, 4]
