@@ -210,8 +210,11 @@ class RobotLease:
     def left_s(self, now_s: float) -> float:
         """Return the time until the turn of the holder ends (s); infinity: no end is set."""
         self._hand_over(now_s)
+        return max(0.0, self._turn_end_s() - now_s)
+
+    def _turn_end_s(self) -> float:
         longest_s = self._terms.now.longest_s if self._taker.seat else 0.0
-        return max(0.0, self.turn.end_s(waiting=bool(self._waiting), longest_s=longest_s) - now_s)
+        return self.turn.end_s(waiting=bool(self._waiting), longest_s=longest_s)
 
     def check(self, caller: Caller, number: int, now_s: float) -> None:
         """Check that no other seat holds the robot, and that the lease `number` of a request (0: none) has not ended.
@@ -288,8 +291,7 @@ class RobotLease:
         """End a turn whose time is over; grant a free robot, or one with an idle holder, to the first waiting seat."""
         holder = self._taker.seat or self.motion.holder(now_s)
         self.turn.begin(holder, now_s)
-        longest_s = self._terms.now.longest_s if self._taker.seat else 0.0
-        if now_s >= self.turn.end_s(waiting=bool(self._waiting), longest_s=longest_s):
+        if now_s >= self._turn_end_s():
             self.turn.over, self.turn.seat, self._taker = holder, "", NO_CALLER
             if self.motion.holder(now_s) == holder:
                 self.motion.release(now_s)

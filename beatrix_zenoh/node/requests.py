@@ -7,10 +7,9 @@ with wildcards may match several robots, so it moves none of them.
 from __future__ import annotations
 
 import contextlib
-import heapq
-import itertools
 import math
 import queue
+import sched
 import threading
 import time
 from collections import deque
@@ -68,9 +67,8 @@ class ControllerQueue:
         self._arrived: queue.SimpleQueue[None] = queue.SimpleQueue()
         """One item for each entry and for `close`; a SimpleQueue wakes the reader in half the time of a Condition."""
         self._count = 0
-        self._later: list[tuple[float, int, Run]] = []
-        """Heap of the entries of `post_later`: time (s), number, function."""
-        self._numbers = itertools.count()
+        self._later = sched.scheduler(time.monotonic)
+        """Appends the entries of `post_later` when they are due."""
         self._closed = False
 
     def post(self, run: Run, decline: Decline) -> None:
@@ -90,7 +88,7 @@ class ControllerQueue:
 
     def post_later(self, due_s: float, run: Run) -> None:
         """Append an entry at `due_s` (monotonic clock), after all that wait then; only the reader may call this."""
-        heapq.heappush(self._later, (due_s, next(self._numbers), run))
+        self._later.enterabs(due_s, 0, self.post_event, (run,))
 
     def post_latest(self, key: Hashable, run: Run, decline: Decline = lambda _: None) -> None:
         """Append an entry as `post` does; remove a waiting entry with the same key and decline it as REPLACED."""
@@ -126,10 +124,7 @@ class ControllerQueue:
     def take(self) -> Run | None:
         """Wait for the next work and return it; return None once the queue is closed and empty."""
         while True:
-            wait_s = self._later[0][0] - time.monotonic() if self._later else None
-            if wait_s is not None and wait_s <= 0:
-                self.post_event(heapq.heappop(self._later)[2])
-                continue
+            wait_s = self._later.run(blocking=False)
             with contextlib.suppress(queue.Empty):
                 self._arrived.get(timeout=wait_s)
                 break
