@@ -1,12 +1,11 @@
-"""Errors for slips of beginners: a missing pair of parentheses, and a wrong name."""
+"""Errors for a slip of beginners: a missing pair of parentheses. Python itself suggests names for a wrong one."""
 
 from __future__ import annotations
 
-import difflib
 import inspect
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, NoReturn
+from typing import NoReturn
 
 
 class Uncalled(partial[object]):
@@ -39,7 +38,7 @@ class _ValueMethod:
 
 
 class Suggesting:
-    """Base of classes whose missing attributes, and methods without parentheses, raise an error with what was meant."""
+    """Base of classes whose methods raise an error with what was meant if they are used without parentheses."""
 
     def __init_subclass__(cls) -> None:
         """Let each public method that returns a value say so when it is used without parentheses."""
@@ -48,27 +47,6 @@ class Suggesting:
             public = inspect.isfunction(member) and not name.startswith("_")
             if public and member.__annotations__.get("return", "None") != "None":
                 setattr(cls, name, _ValueMethod(member))
-
-    if not TYPE_CHECKING:  # a type checker would accept every attribute
-
-        def __getattr__(self, name):
-            kind = type(self)
-            if name.startswith("_") or hasattr(kind, name):
-                return object.__getattribute__(self, name)  # raises the error of a property again
-            # Fields of a dataclass are no attributes of the class.
-            fields = getattr(kind, "__dataclass_fields__", ())
-            names = sorted(each for each in {*dir(kind), *fields} if not each.startswith("_"))
-            meant = "".join(_text(kind, each) for each in difflib.get_close_matches(name, names, 1))
-            raise AttributeError(
-                f"{kind.__name__} has no {name!r}: "
-                + (f"did you mean {meant}?" if meant else f"it has {', '.join(names)}.")
-            )
-
-
-def _text(kind: type, name: str) -> str:
-    """Return how to write a member of a class: `positions()`, `camera(…)` or `place`."""
-    member = getattr(kind, name, None)
-    return _call(member) if callable(member) else name
 
 
 def _call(function: Callable[..., object]) -> str:

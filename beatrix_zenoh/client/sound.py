@@ -127,7 +127,7 @@ class Faults:
     lost: int = 0
     """missing in the sequence numbers: lost by network or router, or by this program, which read too slowly"""
     duplicated: int = 0
-    """arrived twice; the second one was skipped"""
+    """arrived again just after the first time; skipped"""
     late: int = 0
     """arrived after a newer block, or has an impossible number or time; skipped"""
     dropped: int = 0
@@ -151,39 +151,31 @@ class BlockOrder:
     _newest: Sound | None = None
     _newest_ns: int = 0
     """arrival of `_newest`, by the monotonic clock of this computer"""
-    _seen: list[tuple[int, int]] = field(default_factory=list)
-    """numbers and times of the newest blocks, to tell a duplicate of a late block from a late block"""
 
     def accept(self, block: Sound, arrived_ns: int) -> bool:
         """Count a block; return whether it is in order, so that the program should hear it.
 
         `arrived_ns`: its arrival by the monotonic clock of this computer.
         """
-        newest, identity = self._newest, (block.seq, block.t_mono_ns)
+        newest = self._newest
         passed_ns = arrived_ns - self._newest_ns
         step = 1 if newest is None else (block.seq - newest.seq + _SEQS // 2) % _SEQS - _SEQS // 2
         if newest is not None:
             block_ns = len(newest.samples) * 1_000_000_000 // newest.rate
             ahead_ns = max((step - 1) * block_ns, block.t_mono_ns - newest.t_mono_ns) - passed_ns
             if step <= 0 or block.t_mono_ns <= newest.t_mono_ns or ahead_ns > AHEAD_NS:
-                if identity in self._seen:
+                if (block.seq, block.t_mono_ns) == (newest.seq, newest.t_mono_ns):
                     self.faults.duplicated += 1
                     return False
                 if passed_ns < ANEW_NS:
                     self.faults.late += 1
-                    self._remember(identity)
                     return False
-                step, newest, self._seen = 1, None, []
+                step, newest = 1, None
         self.faults.lost += step - 1
         if newest is not None:
             self.faults.dropped += max(0, block.dropped - newest.dropped)
         self._newest, self._newest_ns = block, arrived_ns
-        self._remember(identity)
         return True
-
-    def _remember(self, identity: tuple[int, int]) -> None:
-        self._seen.append(identity)
-        del self._seen[:-BLOCKS]
 
 
 class Microphones(Subscription[Sound]):

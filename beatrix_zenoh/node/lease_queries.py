@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 from msgspec.structs import replace
 
 from beatrix_zenoh.bus import Incoming, Sessions, query_forms
-from beatrix_zenoh.contract import names, refusals
+from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import (
     Detail,
@@ -30,8 +30,6 @@ from beatrix_zenoh.node.requests import RequestHandle, Requests, check_own_key
 
 OF_SEATS: Final = (LeaseAction.TAKE, LeaseAction.WAIT, LeaseAction.GIVE_BACK)
 """What every seat may ask for; the rest is for the teacher."""
-MUTED_MAX: Final = 256
-"""Largest number of muted seats."""
 
 
 class LeaseState(NamedTuple):
@@ -229,8 +227,6 @@ class LeaseHandler(Component):
             with access.lock:
                 access.teacher.muted -= {seat}
             return f"{seat} is not muted and may move the robot."
-        if seat not in access.teacher.muted and len(access.teacher.muted) >= MUTED_MAX:
-            raise refusals.queue_full(MUTED_MAX)
         mute(access, seat, time.monotonic())
         if self._drives(seat):
             self._stop(StopCause.MUTED)

@@ -44,7 +44,7 @@ def heard(numbers: list[int]) -> tuple[list[int], Faults]:
         ([7, 8, 9], [7, 8, 9], 0, 0, 0),
         ([1, 2, 5, 6], [1, 2, 5, 6], 2, 0, 0),
         ([1, 2, 2, 3], [1, 2, 3], 0, 1, 0),
-        ([1, 4, 3, 2, 1, 5], [1, 4, 5], 2, 1, 2),
+        ([1, 4, 3, 2, 1, 5], [1, 4, 5], 2, 0, 3),
     ],
 )
 def test_lost_duplicated_and_late_blocks_are_counted(
