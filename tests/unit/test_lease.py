@@ -201,10 +201,10 @@ def test_a_waiting_seat_gets_the_terms_that_it_has_asked_for(access: Access) -> 
     take(access, BEN, 0, wait=True, terms=Terms(longest_s=30, speed=0.5))
     access.lease.give_back(ANA)
     assert standing(access, 10).turn_s == 30
-    assert [access.lease.speed(seat) for seat in ("ben", "ana", "")] == [0.5, 0, 0]
+    assert [access.lease.terms.speed(seat) for seat in ("ben", "ana", "")] == [0.5, 0, 0]
     assert standing(access, 40).lease == 0
     access.lease.give_back(BEN)
-    assert access.lease.speed("ben") == 0
+    assert access.lease.terms.speed("ben") == 0
 
 
 def test_the_speed_of_a_turn_outlives_the_lease_that_another_program_of_the_seat_gives_back(
@@ -213,12 +213,12 @@ def test_the_speed_of_a_turn_outlives_the_lease_that_another_program_of_the_seat
     terms = Terms(longest_s=90, speed=0.7)
     take(access, ANA, 0, terms=terms)
     access.lease.give_back(ANA_AGAIN)
-    assert (standing(access, 1).lease, access.lease.speed("ana")) == (0, 0.7)
+    assert (standing(access, 1).lease, access.lease.terms.speed("ana")) == (0, 0.7)
     take(access, ANA_AGAIN, 2, terms=Terms(longest_s=3600, speed=1.5))
-    assert (standing(access, 2).turn_s, access.lease.speed("ana")) == (90, 0.7), "the stricter of both"
+    assert (standing(access, 2).turn_s, access.lease.terms.speed("ana")) == (90, 0.7), "the stricter of both"
     access.lease.give_back(ANA_AGAIN)
     access.lease.give_back(ANA)
-    assert access.lease.speed("ana") == 0
+    assert access.lease.terms.speed("ana") == 0
 
 
 @pytest.mark.parametrize("end", ["session", "other seat"])
@@ -232,7 +232,7 @@ def test_the_speed_of_a_turn_ends_with_its_session_and_with_the_turn_of_another_
     else:
         access.lease.give_back(ANA_AGAIN)
         take(access, BEN, 2)
-    assert access.lease.speed("ana") == 0
+    assert access.lease.terms.speed("ana") == 0
 
 
 def test_a_lost_router_stops_the_clock(access: Access) -> None:
