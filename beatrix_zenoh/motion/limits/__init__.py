@@ -172,7 +172,7 @@ class MotionLimits:
         if self._too_far(motion.target, motion.start) or self._beyond_counter(motion.target):
             return False
         speed = self._gear.quarters_to_speed(self._gear.speed_to_quarters(motion.speed))
-        trajectory = motion.at_speed(speed).trajectory(self.acceleration)
+        trajectory = replace(motion, speed=speed).trajectory(self.acceleration)
         try:
             return self._checker.first_violation(trajectory) is None
         except BeatrixError:
