@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from beatrix_zenoh.board.state import Port, TimedPort
-from beatrix_zenoh.board.virtual import Firmware, RealTime, RealTimePort, VirtualBoard
+from beatrix_zenoh.board.state import Port
+from beatrix_zenoh.board.virtual import Firmware, RealTime, TimedPort
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
 from beatrix_zenoh.contract._generated.serial import TELEMETRY_PERIOD, Telemetry
 from beatrix_zenoh.motion.gear import Gear
@@ -54,8 +54,7 @@ class VirtualHardware(Hardware):
         self, name: str, robot: RobotData = ROBOT, sensors: Sequence[MakeSensor] = TEST_EYES
     ) -> None:
         super().__init__(VIRTUAL, robot, sensors)
-        self._board = VirtualBoard(Firmware(boot=1, name=name))
-        self._port = RealTimePort(self._board, RealTime(self._board))
+        self._port = TimedPort(Firmware(boot=1, name=name), RealTime)
 
     def open_port(self) -> Port:
         """Return the port of the virtual board, which is always present."""
@@ -67,7 +66,7 @@ class VirtualHardware(Hardware):
 
     def close(self) -> None:
         """Stop the virtual board."""
-        self._board.close()
+        self._port.close()
 
 
 def build(device: str, name: str, robot: RobotData, sensors: Sequence[MakeSensor]) -> Hardware:

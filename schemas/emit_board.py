@@ -9,6 +9,8 @@ IN_FIRMWARE = ("heartbeat_timeout", "text_start", "text_motion")
 """Constants of the link that no host needs."""
 BARE = ("ACK", "SET_NAME")
 """Frames with one field, which hosts read and write as bytes."""
+REPLIES = 0x80
+"""Types of frames of the host are smaller."""
 STRUCT = {"u8": "B", "u16": "H", "u32": "I", "i16": "h", "i32": "i"}
 
 
@@ -28,9 +30,12 @@ def frame_class(name: str, table: dict[str, object]) -> str:
             counts.append(count)
             python = f"tuple[{', '.join(['int'] * count)}]" if count > 1 else "int"
         fields += f'    {field["name"]}: {python}\n    """{doc}"""\n'
+    request = (
+        f"    kind: ClassVar[FrameType] = FrameType.{name}\n" if int(str(table["type"])) < REPLIES else ""
+    )
     return (
         f'class {name.title().replace("_", "")}(Frame, frozen=True):\n    """{table["doc"]}"""\n\n'
-        f"    kind: ClassVar[FrameType] = FrameType.{name}\n    layout = struct.Struct({layout!r})\n    counts = {tuple(counts)}\n{fields}"
+        f"{request}    layout = struct.Struct({layout!r})\n    counts = {tuple(counts)}\n{fields}"
     )
 
 

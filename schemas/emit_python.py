@@ -152,9 +152,14 @@ KEY_DEFAULTS = {"kind": "query", "publish": "control", "rate_hz": 0}
 
 def key_row(row: dict[str, object]) -> str:
     """Return the call that makes a KeyRow."""
-    if row["kind"] == "publication and query" and row["publish"] == "control":
+    if row["kind"] == "publication" and row["publish"] == "media":
+        rate = [f"rate_hz={row['rate_hz']}"] if "rate_hz" in row else []
+        return f"media({', '.join([repr(row['key']), repr(row['payload']), *rate])})"
+    if row["kind"] == "publication and query":
         answer = () if row["reply"] == row["payload"] else (f"reply={row['reply']!r}",)
         given = [f"{field}={row[field]!r}" for field in ("priority", "rate_hz") if field in row]
+        if row["publish"] != "control":
+            given.append(f"publish={row['publish']!r}")
         return f"stream({', '.join([repr(row['key']), repr(row['payload']), *answer, *given])})"
     values = [repr(row[field]) for field in KEY_FIELDS if field in row]
     options = {field: row.get(field, default) for field, default in KEY_DEFAULTS.items()}
@@ -165,7 +170,7 @@ def key_row(row: dict[str, object]) -> str:
 def keys(contract: Contract) -> str:
     out = HEADER.format(doc="Key expressions of the Zenoh contract.", source="keys.toml")
     out += "import re\nfrom typing import Final\n\n"
-    out += "from beatrix_zenoh.contract.rows import KeyRow, parser, stream\n\n"
+    out += "from beatrix_zenoh.contract.rows import KeyRow, media, parser, stream\n\n"
     out += "".join(f"{name} = {key_row(row)}\n" for name, row in contract.keys.items())
     out += "\nKEYS: Final = {name: row for name, row in vars().items() if isinstance(row, KeyRow)}\n"
     out += "KEY_TEXT: Final = {\n"

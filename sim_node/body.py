@@ -6,8 +6,8 @@ import threading
 import time
 from collections import deque
 
-from beatrix_zenoh.board.state import Port, TimedPort
-from beatrix_zenoh.board.virtual import BUSY_S, Firmware, RealTimePort, VirtualBoard
+from beatrix_zenoh.board.state import Port
+from beatrix_zenoh.board.virtual import BUSY_S, Firmware, TimedPort
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus, PreviewReply
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
@@ -131,13 +131,12 @@ class Simulation:
         self._sound = SoundSource(lambda: self._target.place(time.monotonic()), time.monotonic)
         self._plant = Plant(robot)
         self._firmware = Firmware(boot=1, name=name)
-        self._board = VirtualBoard(self._firmware)
+        self._board = TimedPort(self._firmware, lambda _: self)
         self._clock = StepClock(TIMESTEP_MS / 1000, time.monotonic())
         self._left_s = float("-inf")
         self._pulses, self._steps, self._resting = self._firmware.pulses(), self._firmware.steps(), True
         self._turns, self._busy_until_s, self._turn_until_s = 0, 0.0, 0.0
         self._lock = threading.Lock()
-        self._port = RealTimePort(self._board, self)
         self._drawing = drawing or Drawing(robot)
 
     def open_port(self) -> Port:
@@ -148,7 +147,7 @@ class Simulation:
         """Return the port of the virtual board; its time passes from now on."""
         with self._lock:
             self._clock = StepClock(TIMESTEP_MS / 1000, time.monotonic())
-        return self._port
+        return self._board
 
     def wait_s(self) -> float:
         """Return the time (s) until the next turn is due; negative if it is late."""

@@ -49,7 +49,7 @@ def drive(folder: Path, side: str) -> None:
     base = f"beatrix/zed/{side}"
     assert f"{base}/@alive" in call(folder, "z_get_liveliness.py", "-k", "beatrix/*/*/@alive")
     assert '"robot":"zed"' in call(folder, "z_get.py", "-s", f"{base}/info")
-    assert f"Similar: {base}/info" in call(folder, "z_get.py", "-s", f"{base}/inof")
+    assert f"no key '{base}/inof'" in call(folder, "z_get.py", "-s", f"{base}/inof")
     assert '"enabled":false' in call(folder, "z_get.py", "-s", f"{base}/state/status")
     assert "NOT_ENABLED" in call(folder, "z_get.py", "-s", f"{base}/cmd/me/pose?yaw=0.2")
     assert '"result":true' in call(folder, "z_get.py", "-s", f"{base}/cmd/me/command?command=enable")

@@ -10,8 +10,9 @@ from typing import Final
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.board.link import Decoder, SerialFrame, encode
-from beatrix_zenoh.board.state import NO_TELEMETRY, Port, TelemetrySample, TimedPort, mismatch_text
+from beatrix_zenoh.board.state import NO_TELEMETRY, Port, TelemetrySample, mismatch_text
 from beatrix_zenoh.board.timing import BoardClock, Handshake
+from beatrix_zenoh.board.virtual import TimedPort
 from beatrix_zenoh.contract._generated import serial as wire
 from beatrix_zenoh.contract._generated.messages import BoardStatus, Reason
 from beatrix_zenoh.contract._generated.serial import FrameType, HelloReply, Telemetry
@@ -74,7 +75,7 @@ class BoardConnection:
         """Let the thread of `schedule`, which several virtual boards share, run the callbacks; the port stays open."""
         self._opened(port)
         task = schedule.add(owner, lambda: self._turn(port))
-        port.on_wake(task.wake)
+        port.notify = task.wake
         task.wake()
 
         def end() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, Protocol
 
@@ -37,16 +36,6 @@ class Port(Protocol):
 
     def close(self) -> None:
         """Close the device and wake a waiting reader."""
-
-
-class TimedPort(Port, Protocol):
-    """The port of a virtual board, whose time passes in `read`, which does not wait."""
-
-    def due_s(self) -> float:
-        """Return the monotonic time (s) at which `read` should be called again."""
-
-    def on_wake(self, notify: Callable[[], None]) -> None:
-        """Let `wake` call `notify`, which must not wait."""
 
 
 @dataclass(frozen=True)

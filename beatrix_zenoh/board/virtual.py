@@ -233,11 +233,6 @@ class VirtualBoard:
             self._closed = True
             self._arrived.notify_all()
 
-    @property
-    def closed(self) -> bool:
-        """Whether `close` was called."""
-        return self._closed
-
     def _collect(self) -> None:
         self._keep(self.firmware.transmit())
         if self._unread:
@@ -258,36 +253,30 @@ class BoardTime(Protocol):
         """Advance the board to the present time; `written`: bytes were written to it since the last turn."""
 
 
-class RealTimePort:
-    """The port of a virtual board whose time passes in the thread that reads.
+class TimedPort(VirtualBoard):
+    """The port of a virtual board whose time passes in the thread that reads; `read` does not wait.
 
     One thread thus advances the board, decodes its frames and sends the heartbeat, without a hand-over between threads.
     While the thread does not read, the board waits for it.
     """
 
-    name: Final = VirtualBoard.name
-    boot_s: Final = VirtualBoard.boot_s
-
-    def __init__(self, board: VirtualBoard, board_time: BoardTime) -> None:
-        self._board, self._time = board, board_time
-        self.write, self.wake, self.close = board.write, board.wake, board.close
+    def __init__(self, firmware: Firmware, time_of: Callable[[VirtualBoard], BoardTime]) -> None:
+        """`time_of` returns the time of this board."""
+        super().__init__(firmware)
+        self._time = time_of(self)
 
     def due_s(self) -> float:
-        """Return the monotonic time (s) of the next turn."""
+        """Return the monotonic time (s) at which `read` should be called again."""
         return time.monotonic() + self._time.wait_s()
-
-    def on_wake(self, notify: Callable[[], None]) -> None:
-        """Let `wake` call `notify`."""
-        self._board.notify = notify
 
     def read(self, timeout_s: float) -> bytes:  # noqa: ARG002 - it never waits
         """Give the board a turn if one is due, and return what it has sent; empty after `close`."""
-        written = self._board.written
+        written = self.written
         if written:
-            self._board.written = False
+            self.written = False
         if written or self._time.wait_s() <= 0:  # another thread may have advanced the board meanwhile
             self._time.turn(written=written)
-        return self._board.read(0)
+        return super().read(0)
 
 
 class RealTime:

@@ -26,6 +26,5 @@ from beatrix_zenoh.bus.router import watch_router as watch_router
 from beatrix_zenoh.bus.session import Bus as Bus
 from beatrix_zenoh.bus.session import connect as connect
 from beatrix_zenoh.bus.session import hanging_router as hanging_router
-from beatrix_zenoh.bus.sessions import SessionListener as SessionListener
 from beatrix_zenoh.bus.sessions import Sessions as Sessions
 from beatrix_zenoh.bus.sessions import describe as describe

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import time
 from collections.abc import Callable
 from typing import Final
 
@@ -67,13 +68,20 @@ class Incoming:
 
 
 class Received(msgspec.Struct, frozen=True, gc=False):
-    """A received publication."""
+    """A received publication, and its arrival by the clocks of this computer (ns)."""
 
     key: str
     payload: bytes
-    session: str
+    sender: str
     """id of the publisher's session; empty if unknown"""
     attachment: bytes | None
+    t_mono_ns: int
+    t_wall_ns: int
+
+    @property
+    def header(self) -> Received:
+        """The attachment of a picture or of sound, to be read as a message."""
+        return msgspec.structs.replace(self, payload=self.attachment or b"")
 
     @classmethod
     def of(cls, sample: zenoh.Sample) -> Received:
@@ -84,6 +92,8 @@ class Received(msgspec.Struct, frozen=True, gc=False):
             sample.payload.to_bytes(),
             "" if source is None else str(source.source_id.zid),
             None if attachment is None else attachment.to_bytes(),
+            time.monotonic_ns(),
+            time.time_ns(),
         )
 
 

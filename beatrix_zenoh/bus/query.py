@@ -46,25 +46,22 @@ def intersects(one: str, other: str) -> bool:
 
 
 class Reply(msgspec.Struct, frozen=True):
-    """One reply. Its encoding and its sender are converted to text when they are read, which is rare."""
+    """One reply. Its sender is converted to text when it is read, which is rare."""
 
     key: str
+    """empty: it is an error reply"""
     payload: bytes
-    form: str | zenoh.Encoding
-    error: bool
-    """whether it is an error reply"""
-    origin: str | zenoh.EntityGlobalId | None = None
-    """the sender's session, or its entity in it; None or empty if unknown"""
+    origin: zenoh.EntityGlobalId | None = None
 
     @property
-    def encoding(self) -> str:
-        """The encoding of the payload."""
-        return str(self.form)
+    def error(self) -> bool:
+        """Whether it is an error reply."""
+        return not self.key
 
     @property
     def sender(self) -> str:
         """The session of the sender; empty if unknown."""
-        return str(self.origin.zid) if isinstance(self.origin, zenoh.EntityGlobalId) else self.origin or ""
+        return "" if self.origin is None else str(self.origin.zid)
 
 
 class Query:
@@ -106,8 +103,7 @@ class Query:
     def _receive(self, reply: zenoh.Reply) -> None:
         replier, good = reply.replier_id, reply.ok
         if good is not None:
-            key, payload = str(good.key_expr), good.payload.to_bytes()
-            answer = Reply(key, payload, good.encoding, error=False, origin=replier)
+            answer = Reply(str(good.key_expr), good.payload.to_bytes(), replier)
         else:
             bad = reply.err
             if bad is None:
@@ -115,7 +111,7 @@ class Query:
             payload = bad.payload.to_bytes()
             if replier is None and payload == TIMED_OUT:
                 return  # Zenoh created it, not a robot; the end of the replies follows
-            answer = Reply("", payload, bad.encoding, error=True, origin=replier)
+            answer = Reply("", payload, replier)
         if self._late is None:
             self._inbox.put(answer)
             self._wake()

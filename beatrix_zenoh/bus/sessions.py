@@ -12,7 +12,6 @@ import threading
 import weakref
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import NamedTuple
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.bus.declarations import Publication
@@ -70,21 +69,9 @@ class Sessions:
         """Pass queries on `key`, a key of keys.toml, to `handle`, as `Bus.serve` does."""
         self.session(_row(key).session).serve(key, handle)
 
-    def serve_rest(
-        self, traffic: str, key: str, handle: Callable[[Incoming], None], skips: Callable[[str], bool]
-    ) -> None:
-        """Pass queries of a traffic class on `key`, which has wildcards, to `handle`, as `Bus.serve` does."""
-        self.session(traffic).serve(key, handle, skips)
-
     def subscribe(self, key: str, handle: Callable[[Received], None]) -> Callable[[], None]:
         """Pass publications on `key` to `handle`, as `Bus.subscribe` does."""
         return self.session(_row(key).session).subscribe(key, handle)
-
-    def subscribe_newest(
-        self, key: str, handle: Callable[[Received], None], skips: Callable[[str], bool]
-    ) -> None:
-        """Pass publications on `key` to `handle`, as `Bus.subscribe_newest` does."""
-        self.session(_row(key).session).subscribe_newest(key, handle, skips)
 
     def publication(
         self, key: str, encoding: str, on_subscribed: Callable[[], None] | None = None
@@ -96,21 +83,11 @@ class Sessions:
             self._published[key] = end
         return publication
 
-    def declare_token(self, key: str) -> Callable[[], None]:
-        """Declare a token in the control session, as `Bus.declare_token` does."""
-        return self.control.declare_token(key)
-
-    def watch_tokens(self, key: str, handle: Callable[[str, bool], None]) -> None:
-        """Report tokens to `handle`, as `Bus.watch_tokens` does."""
-        self.control.watch_tokens(key, handle)
-
-    def watch_router(self, handle: Callable[[bool], None]) -> None:
-        """Report the connection to the router to `handle`, as `Bus.watch_router` does."""
-        self.control.watch_router(handle)
-
-    def watch_sessions(self, listener: SessionListener) -> Callable[[], None]:
-        """Watch the sessions and report to a listener; return a function that ends this, before `close`."""
-        return SessionWatchdog(self.opened, listener, in_turn=self._shared is not None).close
+    def watch_sessions(
+        self, renewed: Callable[[str], None], refused: Callable[[NoAnswer], None]
+    ) -> Callable[[], None]:
+        """Watch the sessions, as `SessionWatchdog` does; return a function that ends this, before `close`."""
+        return SessionWatchdog(self.opened, renewed, refused, in_turn=self._shared is not None).close
 
     def describe(self, side: str) -> ProgramInfo:
         """Return the description of the node that uses these sessions."""
@@ -181,15 +158,6 @@ FAILURES = 2
 """Failed checks in a row before a session is renewed; just after a reconnection one check may fail."""
 
 
-class SessionListener(NamedTuple):
-    """What a node gives to the watchdog."""
-
-    renewed: Callable[[str], None]
-    """called with the traffic class of a session that was replaced"""
-    refused: Callable[[NoAnswer], None]
-    """called when the router refuses the account"""
-
-
 class SessionWatchdog:
     """A thread of a node that replaces a session whose queryables the router has lost.
 
@@ -201,13 +169,22 @@ class SessionWatchdog:
     """
 
     def __init__(
-        self, opened: Callable[[], dict[str, Bus]], listener: SessionListener, *, in_turn: bool
+        self,
+        opened: Callable[[], dict[str, Bus]],
+        renewed: Callable[[str], None],
+        refused: Callable[[NoAnswer], None],
+        *,
+        in_turn: bool,
     ) -> None:
-        """`opened` returns the sessions by traffic class, the control session first.
+        """Watch on a thread of its own.
 
-        `in_turn`: check one of them every TURN_S, because a process with many nodes may have a hundred.
+        Args:
+            opened: returns the sessions by traffic class, the control session first.
+            renewed: called with the traffic class of a session that was replaced.
+            refused: called when the router refuses the account.
+            in_turn: check one of them every TURN_S, because a process with many nodes may have a hundred.
         """
-        self._opened, self._listener, self._in_turn = opened, listener, in_turn
+        self._opened, self._renewed, self._refused, self._in_turn = opened, renewed, refused, in_turn
         self._ended = threading.Event()
         self._refusals = 0
         self._failures: weakref.WeakKeyDictionary[Bus, int] = weakref.WeakKeyDictionary()
@@ -243,7 +220,7 @@ class SessionWatchdog:
             checked.renew()
         except (NoAnswer, WrongUsage):
             return  # the router has just been lost, and the old session remains; or the node closes
-        self._listener.renewed(traffic)
+        self._renewed(traffic)
 
     def _check_account(self, control: Bus) -> None:
         """Report a router that refuses the account twice in a row; one that has just started may refuse it once."""
@@ -256,7 +233,7 @@ class SessionWatchdog:
                 return
             self._refusals += 1
             if self._refusals == FAILURES:
-                self._listener.refused(error)
+                self._refused(error)
 
 
 def reached(checked: Bus, through: Bus) -> bool:

@@ -89,7 +89,7 @@ def subscribe(client: Client, name: str, robot: str, side: str) -> Subscription[
     kind, media = header(row), row.publish == "media"
     plain = row.payload == kind.__name__
     read: Reader[object] = (
-        message(kind, same) if plain else lambda _, sample: client.read(sample.header, kind)
+        message(kind, same) if plain else lambda _, received: client.read(received.header, kind)
     )
     key = row.key.format(robot=robot, side=side)
     timeout_s, bus = (

@@ -18,10 +18,9 @@ from beatrix_zenoh.client import motion_file
 from beatrix_zenoh.client.degrees import HeadAngles, checked_seconds, motion_query, pose_query
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.motion_file import FORM, SPEED, MotionFile, WrongLine
-from beatrix_zenoh.client.plan import Plan
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.stopping import StopEvents
-from beatrix_zenoh.client.twin import Twin
+from beatrix_zenoh.client.twin import Plan, Twin
 from beatrix_zenoh.client.twin_motion import ended, runs, stopped
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason, Source
 from beatrix_zenoh.contract.errors import WrongUsage, naming

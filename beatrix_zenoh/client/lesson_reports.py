@@ -98,13 +98,11 @@ def read(client: Client, timeout_s: float = ANSWER_S) -> list[Row]:
             "shows your own lessons.",
         )
     rows, bus, begin_s = [], client.bus, time.monotonic()
-    query = bus.query(keys.lesson("*", "*"), timeout_s=timeout_s)
-    with contextlib.closing(query), contextlib.suppress(TimeoutError):
-        while (reply := query.next(timeout_s - (time.monotonic() - begin_s))) is not None:
-            parts = keys.parse(reply.key)
-            state = None if reply.error or parts is None else client.read(reply, LessonState)
-            if parts is not None and state is not None:
-                rows.append(Row(parts.who, reply.key.rpartition("/")[2], state))
+    for reply in bus.query(keys.lesson("*", "*"), timeout_s=timeout_s).replies(timeout_s):
+        parts = keys.parse(reply.key)
+        state = None if reply.error or parts is None else client.read(reply, LessonState)
+        if parts is not None and state is not None:
+            rows.append(Row(parts.who, reply.key.rpartition("/")[2], state))
     # Zenoh also ends the replies of a query whose time is over, or whose router is lost.
     if time.monotonic() - begin_s >= timeout_s or not bus.router_answers(timeout_s):
         text = (

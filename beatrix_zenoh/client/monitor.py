@@ -34,6 +34,7 @@ ROBOTS = 1000
 """Largest number of robots; further names, for example of a faulty program, are ignored."""
 
 M = TypeVar("M", bound=msgspec.Struct)
+Sent = Received | Reply
 
 
 class Presence(StrEnum):
@@ -74,17 +75,17 @@ class RobotState:
 class Channel(Generic[M]):
     """The newest publication of one key; Zenoh's thread stores it, a reader's thread decodes it at most once."""
 
-    def __init__(self, client: Client, key: str, kind: type[M]) -> None:
-        self._client, self._key, self._kind = client, key, kind
-        self._newest: tuple[bytes, float] | None = None
+    def __init__(self, client: Client, kind: type[M]) -> None:
+        self._client, self._kind = client, kind
+        self._newest: tuple[Sent, float] | None = None
         self._times: deque[float] = deque(maxlen=2 * keys.positions.rate_hz)
-        self._decoded: tuple[bytes, M | None] | None = None
+        self._decoded: tuple[Sent, M | None] | None = None
 
-    def put(self, payload: bytes) -> None:
+    def put(self, sent: Sent) -> None:
         """Store a publication that has just arrived."""
         now = time.monotonic()
         self._times.append(now)
-        self._newest = payload, now
+        self._newest = sent, now
 
     @property
     def empty(self) -> bool:
@@ -95,10 +96,9 @@ class Channel(Generic[M]):
         """Return the newest message (None: unreadable) and its age in s (None: nothing has arrived)."""
         if self._newest is None:
             return None, None
-        payload, came = self._newest
-        if self._decoded is None or self._decoded[0] is not payload:
-            message = self._client.read(Reply(self._key, payload, "", error=False), self._kind)
-            self._decoded = payload, message
+        sent, came = self._newest
+        if self._decoded is None or self._decoded[0] is not sent:
+            self._decoded = sent, self._client.read(sent, self._kind)
         return self._decoded[1], max(0.0, now - came)
 
     def rate(self, now: float) -> float:
@@ -111,29 +111,27 @@ class Channel(Generic[M]):
 class EventLog:
     """The newest events of one robot, including those from before the subscription."""
 
-    def __init__(self, client: Client, key: str, length: int) -> None:
-        self._client, self._key, self._length = client, key, max(1, length)
-        self._past = b""
-        self._coming: deque[bytes] = deque(maxlen=self._length)
+    def __init__(self, client: Client, length: int) -> None:
+        self._client, self._length = client, max(1, length)
+        self._past: Reply | None = None
+        self._coming: deque[Sent] = deque(maxlen=self._length)
         self._read: list[Event] = []
 
-    def put(self, payload: bytes) -> None:
+    def put(self, sent: Sent) -> None:
         """Store an event that has just arrived."""
-        self._coming.append(payload)
+        self._coming.append(sent)
 
-    def put_past(self, payload: bytes) -> None:
+    def put_past(self, answer: Reply) -> None:
         """Store the robot's own list of its newest events."""
-        self._past = payload
+        self._past = answer
 
     def read(self) -> tuple[Event, ...]:
         """Decode the new events; return all stored events, oldest first."""
-        past, self._past = self._past, b""
-        found = list(self._read)
-        if past:
-            events = self._client.read(Reply(self._key, past, "", error=False), Events)
-            found = [*([] if events is None else events.events), *found]
+        past, self._past = self._past, None
+        events = None if past is None else self._client.read(past, Events)
+        found = [*([] if events is None else events.events), *self._read]
         while self._coming:
-            event = self._client.read(Reply(self._key, self._coming.popleft(), "", error=False), Event)
+            event = self._client.read(self._coming.popleft(), Event)
             found += [] if event is None else [event]
         # Events published during the query arrive twice, and a restarted node counts from 0 again, so that time stamp
         # and number together identify an event.
@@ -148,9 +146,9 @@ class RobotRecord:
     def __init__(self, client: Client, robot: str, side: str, events: int) -> None:
         self.robot, self.side = robot, side
         self.alive = False
-        self.positions = Channel(client, keys.positions(robot, side), Positions)
-        self.status = Channel(client, keys.status(robot, side), Status)
-        self.events = EventLog(client, keys.events(robot, side), events)
+        self.positions = Channel(client, Positions)
+        self.status = Channel(client, Status)
+        self.events = EventLog(client, events)
         self.channels: dict[str, Channel[Positions] | Channel[Status] | EventLog] = {
             "positions": self.positions,
             "status": self.status,
@@ -239,7 +237,7 @@ class Monitor(ProcessBound, Closable):
         parts = keys.parse(received.key)
         record = None if parts is None or "*" in received.key else self._record((parts.robot, parts.side))
         if parts is not None and record is not None:
-            record.channels[parts.row].put(received.payload)
+            record.channels[parts.row].put(received)
 
     def _on_change(self, received: Received) -> None:
         self._on_positions(received)
@@ -251,9 +249,9 @@ class Monitor(ProcessBound, Closable):
         if record is None:
             return
         if answer.key == keys.events(record.robot, record.side):
-            record.events.put_past(answer.payload)
+            record.events.put_past(answer)
         elif record.status.empty:  # a later publication is newer
-            record.status.put(answer.payload)
+            record.status.put(answer)
         self._changed()
 
     def _on_token(self, key: str, alive: bool) -> None:  # noqa: FBT001

@@ -3,7 +3,7 @@
 A query reaches every matching queryable, also those of foreign programs, so only replies on the robot's own key count.
 
 Zenoh 1.10 does not report why an answer is missing: a query ends without a reply if the robot is absent or has crashed,
-and also if the access rules of the router refuse it. `Unanswered` finds the cause from the connection, the liveliness
+and also if the access rules of the router refuse it. `SentQuery` finds the cause from the connection, the liveliness
 tokens and the robot's publications. That takes up to 3 s, so it runs only after a query has failed.
 """
 
@@ -51,23 +51,23 @@ M = TypeVar("M", bound=msgspec.Struct)
 A = TypeVar("A", bound=Outcome)
 
 
-class Unanswered(msgspec.Struct, frozen=True):
-    """A query that was sent to one robot."""
+class SentQuery:
+    """A query that was sent to one robot, and the cause of a missing answer."""
 
-    client: Client
-    place: Place
-    losses: int
-    """number of losses of the router before the query"""
-    began_s: float
-    """time (s, monotonic) of the query"""
+    def __init__(self, client: Client, place: Place) -> None:
+        """Create this just before the query is sent."""
+        self.client, self.place = client, place
+        self.losses, self.began_s = client.losses, time.monotonic()
+        self.heard = False
+        """Whether the query had a reply."""
 
-    def explain(self, limit_s: float | None = None, *, heard: bool = False) -> NoAnswer:
+    def explain(self, limit_s: float | None = None) -> NoAnswer:
         """Return the error of a query without a reply: within `limit_s` (s) or, with None, until the query ended.
 
-        `heard`: the query had an earlier reply.
+        Takes up to 3 s.
         """
         waited_s = time.monotonic() - self.began_s
-        error = self._disconnected(limit_s, heard=heard)
+        error = self._disconnected(limit_s)
         if error is not None:
             return error
         try:
@@ -76,7 +76,7 @@ class Unanswered(msgspec.Struct, frozen=True):
             return refused
         if self._lost():
             return self._interrupted()
-        received = heard or waited_s > ABSENT_S
+        received = self.heard or waited_s > ABSENT_S
         if self.place not in present:
             return self._absent(present, received=received)
         if limit_s is not None:
@@ -86,7 +86,7 @@ class Unanswered(msgspec.Struct, frozen=True):
 
     # -- the router ---------------------------------------------------------------------------------
 
-    def _disconnected(self, limit_s: float | None, *, heard: bool) -> NoAnswer | None:
+    def _disconnected(self, limit_s: float | None) -> NoAnswer | None:
         """Return the error of a closed or lost connection, or of a lost or unresponsive router; otherwise None."""
         bus = self.client.bus
         if bus.closed:
@@ -96,7 +96,7 @@ class Unanswered(msgspec.Struct, frozen=True):
                 "closed connection.",
             )
         answers = zbus.is_listening(bus.endpoint) if limit_s is None else bus.router_answers()
-        if answers and (heard or limit_s is not None):
+        if answers and (self.heard or limit_s is not None):
             time.sleep(NOTICE_S)
         if self._lost() or (limit_s is None and not answers):
             return self._interrupted()
@@ -153,13 +153,7 @@ class Unanswered(msgspec.Struct, frozen=True):
 
     def _reads_clock(self) -> bool:
         """Return whether the robot answers a query that every account may send."""
-        query = self.client.bus.query(keys.clock(*self.place), timeout_s=CLOCK_S)
-        try:
-            return query.next(CLOCK_S) is not None
-        except TimeoutError:
-            return False
-        finally:
-            query.close()
+        return self.client.bus.query(keys.clock(*self.place), timeout_s=CLOCK_S).is_answered(CLOCK_S)
 
 
 def publishing(bus: Bus, places: Collection[Place]) -> set[Place]:
@@ -224,7 +218,7 @@ def _read(client: Client, asked: str, answer: Reply, kind: type[M]) -> tuple[Pla
     return None if message is None else (place, message)
 
 
-class Request:
+class Request(SentQuery):
     """One query to one robot and its replies; it is repeated if it ends without a reply although the robot is online."""
 
     def __init__(
@@ -238,19 +232,15 @@ class Request:
         attachment: bytes | None = None,
     ) -> None:
         """Send the query, by default with the priority of its key; replies are received for `lasts_s` and 2 s more."""
-        self._attachment = attachment
-        self._client, self._place, self._key, self._priority = client, place, key, priority
+        super().__init__(client, place)
+        self._key, self._priority, self._attachment = key, priority, attachment
         self._payload = None if request is None else codec.encode(request)
         self._lasts_s = lasts_s + LATE_S
-        self._losses, self._began_s = client.losses, time.monotonic()
-        self._heard = self._repeated = False
+        self._repeated = False
         self._query = self._ask()
 
-    def _unanswered(self) -> Unanswered:
-        return Unanswered(self._client, self._place, self._losses, self._began_s)
-
     def _ask(self) -> Query:
-        return self._client.bus.query(
+        return self.client.bus.query(
             self._key, self._payload, codec.MSGPACK, self._priority, self._lasts_s, self._attachment
         )
 
@@ -258,30 +248,26 @@ class Request:
         """Return the robot's next reply; wait for it up to `timeout_s` (s).
 
         Raises:
-            NoAnswer: the reason that `silence` finds, or SHUTDOWN if this program has closed the client.
+            NoAnswer: the reason that `explain` finds, or SHUTDOWN if this program has closed the client.
         """
         try:
             return self.reply(kind, timeout_s)
         except TimeoutError:
             raise self.explain(timeout_s) from None
 
-    def explain(self, limit_s: float) -> NoAnswer:
-        """Return the error of a reply that did not come within `limit_s`; takes up to 3 s."""
-        return self._unanswered().explain(limit_s, heard=self._heard)
-
     def reply(self, kind: type[M], timeout_s: float) -> M:
         """Return the result of `next`, but raise TimeoutError if no reply arrives within `timeout_s`."""
         deadline = time.monotonic() + timeout_s
         while True:
             answer = self._next(deadline)
-            if answer is None and not (self._heard or self._repeated or self._client.bus.closed):
+            if answer is None and not (self.heard or self._repeated or self.client.bus.closed):
                 answer = self._again(deadline)
             if answer is None:
-                raise self._unanswered().explain(heard=self._heard)
-            reply = _read(self._client, self._key, answer, kind)
+                raise self.explain()
+            reply = _read(self.client, self._key, answer, kind)
             if reply is not None:
-                self._heard = True
-                self._client.seen.add(self._place)
+                self.heard = True
+                self.client.seen.add(self.place)
                 return reply[1]
 
     def _again(self, deadline: float) -> Reply | None:
@@ -300,7 +286,7 @@ class Request:
 
     def _online(self) -> bool:
         try:
-            return self._place in self._client.robots()
+            return self.place in self.client.robots()
         except NoAnswer:
             return False
 
@@ -313,8 +299,8 @@ class Request:
             except TimeoutError:
                 if left_s <= LOSS_CHECK_S:
                     raise
-                if self._client.losses != self._losses:
-                    raise self._unanswered().explain(heard=self._heard) from None
+                if self.client.losses != self.losses:
+                    raise self.explain() from None
 
     def notify(self, notify: Callable[[], None]) -> None:
         """Call `notify` on Zenoh's thread after every reply; it must not block."""
@@ -324,7 +310,7 @@ class Request:
         """End the wait for this motion; if the robot accepts it late, call `do`, which must not block."""
 
         def read(answer: Reply) -> None:
-            reply = _read(self._client, self._key, answer, MotionReply)
+            reply = _read(self.client, self._key, answer, MotionReply)
             if reply is not None and reply[1].result:
                 do()
 
@@ -377,7 +363,7 @@ def ask(
     """Query one robot and return its reply.
 
     Raises:
-        NoAnswer: the reason that `silence` finds; if the robot is not online, the message names those that are.
+        NoAnswer: the reason that `SentQuery.explain` finds; if the robot is not online, the message names those that are.
         WrongUsage: SHUTDOWN, the client was closed.
     """
     query = Request(client, place, key, request, timeout_s, attachment=attachment)

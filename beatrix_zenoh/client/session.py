@@ -5,11 +5,11 @@ A program or verb that names no robot means the only one online.
 
 from __future__ import annotations
 
-import heapq
-import itertools
+import contextlib
 import logging
 import math
 import queue
+import sched
 import threading
 import time
 from collections.abc import Callable, Collection
@@ -20,7 +20,7 @@ import msgspec
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import threads
-from beatrix_zenoh.bus import CLOSED, Bus, Incoming, ProcessBound, Reply
+from beatrix_zenoh.bus import CLOSED, Bus, Incoming, ProcessBound, Received, Reply
 from beatrix_zenoh.contract import codec, printable
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason, Source
@@ -143,7 +143,7 @@ class Client(ProcessBound, Closable):
         self.seen.update(present)
         return present
 
-    def read(self, answer: Reply, kind: type[M]) -> M | None:
+    def read(self, answer: Reply | Received, kind: type[M]) -> M | None:
         """Decode a reply or publication; if it cannot be decoded, log this once for each sender and return None."""
         try:
             return codec.decode(answer.payload, kind)
@@ -151,7 +151,7 @@ class Client(ProcessBound, Closable):
             self.report(answer, f"ignored: {error} The sender is a foreign program or has another version.")
             return None
 
-    def report(self, answer: Reply, what: str) -> None:
+    def report(self, answer: Reply | Received, what: str) -> None:
         """Log an error of a reply or publication once for each sender."""
         self._reporter.report(answer.sender, answer.key, what)
 
@@ -203,22 +203,15 @@ class Dispatcher:
             self._do(do)
 
     def _run(self) -> None:
-        later: list[tuple[float, int, Callable[[], object]]] = []
-        numbers = itertools.count()
+        due = sched.scheduler(time.monotonic)
         while True:
-            timeout_s = max(0.0, later[0][0] - time.monotonic()) if later else None
-            try:
-                call = self._calls.get(timeout=timeout_s)
-            except queue.Empty:
-                self._do(heapq.heappop(later)[2])
-                continue
-            if call is None:
-                return
-            at_s, do = call
-            if at_s > time.monotonic():
-                heapq.heappush(later, (at_s, next(numbers), do))
-            else:
-                self._do(do)
+            wait_s = due.run(blocking=False)
+            with contextlib.suppress(queue.Empty):
+                call = self._calls.get(timeout=wait_s)
+                if call is None:
+                    return
+                at_s, do = call
+                due.enterabs(at_s, 0, self._do, (do,))
 
     @staticmethod
     def _do(do: Callable[[], object]) -> None:

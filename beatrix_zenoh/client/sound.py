@@ -15,12 +15,13 @@ import numpy.typing as npt
 from msgspec import structs
 
 from beatrix_zenoh import wav
+from beatrix_zenoh.bus import Received
 from beatrix_zenoh.client.degrees import checked_number
 from beatrix_zenoh.client.session import Client
-from beatrix_zenoh.client.subscription import Arrival, Sample, Subscription
+from beatrix_zenoh.client.subscription import Arrival, Subscription
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason, SoundHeader
-from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
+from beatrix_zenoh.contract.errors import WrongUsage
 
 SILENCE_S: Final = 5.0
 """Time limit (s) for a block of sound; a device may need seconds for the first one."""
@@ -126,7 +127,7 @@ class Faults:
     lost: int = 0
     """missing in the sequence numbers: lost by network or router, or by this program, which read too slowly"""
     duplicated: int = 0
-    """arrived twice; the second one was skipped"""
+    """arrived again just after the first time; skipped"""
     late: int = 0
     """arrived after a newer block, or has an impossible number or time; skipped"""
     dropped: int = 0
@@ -150,39 +151,31 @@ class BlockOrder:
     _newest: Sound | None = None
     _newest_ns: int = 0
     """arrival of `_newest`, by the monotonic clock of this computer"""
-    _seen: list[tuple[int, int]] = field(default_factory=list)
-    """numbers and times of the newest blocks, to tell a duplicate of a late block from a late block"""
 
     def accept(self, block: Sound, arrived_ns: int) -> bool:
         """Count a block; return whether it is in order, so that the program should hear it.
 
         `arrived_ns`: its arrival by the monotonic clock of this computer.
         """
-        newest, identity = self._newest, (block.seq, block.t_mono_ns)
+        newest = self._newest
         passed_ns = arrived_ns - self._newest_ns
         step = 1 if newest is None else (block.seq - newest.seq + _SEQS // 2) % _SEQS - _SEQS // 2
         if newest is not None:
             block_ns = len(newest.samples) * 1_000_000_000 // newest.rate
             ahead_ns = max((step - 1) * block_ns, block.t_mono_ns - newest.t_mono_ns) - passed_ns
             if step <= 0 or block.t_mono_ns <= newest.t_mono_ns or ahead_ns > AHEAD_NS:
-                if identity in self._seen:
+                if (block.seq, block.t_mono_ns) == (newest.seq, newest.t_mono_ns):
                     self.faults.duplicated += 1
                     return False
                 if passed_ns < ANEW_NS:
                     self.faults.late += 1
-                    self._remember(identity)
                     return False
-                step, newest, self._seen = 1, None, []
+                step, newest = 1, None
         self.faults.lost += step - 1
         if newest is not None:
             self.faults.dropped += max(0, block.dropped - newest.dropped)
         self._newest, self._newest_ns = block, arrived_ns
-        self._remember(identity)
         return True
-
-    def _remember(self, identity: tuple[int, int]) -> None:
-        self._seen.append(identity)
-        del self._seen[:-BLOCKS]
 
 
 class Microphones(Subscription[Sound]):
@@ -199,11 +192,10 @@ class Microphones(Subscription[Sound]):
         """Lost, duplicated and late blocks up to the newest block that was read."""
         return replace(self._order.faults)
 
-    def _read(self, sample: Sample) -> Arrival[Sound] | None:
-        arrival = super()._read(sample)
-        return (
-            arrival if arrival is not None and self._order.accept(arrival.value, sample.t_mono_ns) else None
-        )
+    def _read(self, received: Received) -> Arrival[Sound] | None:
+        arrival = super()._read(received)
+        heard = arrival is not None and self._order.accept(arrival.value, received.t_mono_ns)
+        return arrival if heard else None
 
     def listen(self, seconds: float) -> Sound:
         """Return the next `seconds` of sound as one piece, with zeros in place of lost blocks; see `Sound.lost`.
@@ -224,18 +216,6 @@ class Microphones(Subscription[Sound]):
                 raise self._silence(SILENCE_S)
             blocks.append(self.next())
         return joined(blocks, wanted)
-
-    def _silence(self, timeout_s: float) -> NoAnswer:
-        error = super()._silence(timeout_s)
-        if error.reason is not Reason.TIMED_OUT:
-            return error
-        parts = keys.parse(self._key)
-        name = self._key if parts is None else f"{parts.robot} ({parts.side})"
-        return NoAnswer(
-            Reason.TIMED_OUT,
-            f"{name}: no sound for {timeout_s:g} s. The field `microphones` of the robot's status gives the cause; if it "
-            "is missing, the robot has none: start its node with `beatrix hw --microphones DEVICE`.",
-        )
 
 
 def mono(path: Path) -> bytes:
@@ -274,15 +254,14 @@ def joined(blocks: list[Sound], wanted: int) -> Sound:
     return structs.replace(first, samples=samples, lost=wanted - int(heard.sum()), dropped=blocks[-1].dropped)
 
 
-def sound(client: Client, sample: Sample) -> Sound | None:
+def sound(client: Client, received: Received) -> Sound | None:
     """Convert a publication to a block; log a warning and return None if it is not sound with a valid header."""
-    received = sample.received
-    header = client.read(sample.header, SoundHeader)
+    header = client.read(received.header, SoundHeader)
     if header is None:
         return None
     if not received.payload or len(received.payload) % _FRAME or not header.rate:
         text = f"ignored: {len(received.payload)} bytes at {header.rate} Hz are no sound. Another program publishes on this key: end it."
-        client.report(sample.header, text)
+        client.report(received, text)
         return None
     samples = np.frombuffer(received.payload, "<i2").reshape(-1, 2).astype(np.float32) / np.float32(
         _FULL_SCALE

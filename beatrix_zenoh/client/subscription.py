@@ -8,14 +8,14 @@ import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Generic, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 import msgspec
 
-from beatrix_zenoh.bus import Bus, ProcessBound, Received, Reply
+from beatrix_zenoh.bus import Bus, ProcessBound, Received
 from beatrix_zenoh.client.session import Client, Closable
 from beatrix_zenoh.client.slips import Suggesting
-from beatrix_zenoh.contract import codec, names
+from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, FrameHeader, Positions, Reason, Status
 from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage, quoted
@@ -81,30 +81,15 @@ class Arrival(Generic[T_co]):
     t_wall_ns: int
 
 
-class Sample(NamedTuple):
-    """An undecoded publication and its arrival by the clocks of this computer (ns)."""
-
-    received: Received
-    t_mono_ns: int
-    t_wall_ns: int
-
-    @property
-    def header(self) -> Reply:
-        """The attachment of a picture or of sound, to be read as a message."""
-        key, _, session, attachment = msgspec.structs.astuple(self.received)
-        return Reply(key, attachment or b"", codec.MSGPACK, error=False, origin=session)
-
-
-Reader = Callable[[Client, Sample], T | None]
-"""Converts a sample to the value of a subscription; for an invalid sample, logs the error and returns None."""
+Reader = Callable[[Client, Received], T | None]
+"""Converts a publication to the value of a subscription; for an invalid one, logs the error and returns None."""
 
 
 def message(kind: type[M], convert: Callable[[M], T]) -> Reader[T]:
     """Make a reader for messages of `kind` that applies `convert`."""
 
-    def read(client: Client, sample: Sample) -> T | None:
-        key, payload, session, _ = msgspec.structs.astuple(sample.received)
-        found = client.read(Reply(key, payload, "", error=False, origin=session), kind)
+    def read(client: Client, received: Received) -> T | None:
+        found = client.read(received, kind)
         return None if found is None else convert(found)
 
     return read
@@ -137,7 +122,7 @@ class Subscription(ProcessBound, Closable, Suggesting, Generic[T]):
         Args:
             client: the session.
             key: the key of a publication, with the names of one robot or with wildcards.
-            read: converts samples to values, for example `message(Status, convert)`.
+            read: converts publications to values, for example `message(Status, convert)`.
             timeout_s: longest wait for a publication (s), after which NoAnswer is raised; None: for ever.
             length: length of the queue; older publications are dropped.
             bus: session to use instead of the client's own.
@@ -150,11 +135,11 @@ class Subscription(ProcessBound, Closable, Suggesting, Generic[T]):
         self.dropped = 0
         """Number of publications that were dropped because they were not read in time."""
         self._dropped_keys: Counter[str] = Counter()
-        self._waiting: deque[Sample] = deque(maxlen=length)
+        self._waiting: deque[Received] = deque(maxlen=length)
         self._wakeup = Wakeup()
         self._closed = False
-        self._newest: Sample | None = None
-        self._latest: tuple[Sample, Arrival[T] | None] | None = None
+        self._newest: Received | None = None
+        self._latest: tuple[Received, Arrival[T] | None] | None = None
         self._undeclare = (client.bus if bus is None else bus).subscribe(key, self._receive)
         client.at_close(self)
 
@@ -162,25 +147,24 @@ class Subscription(ProcessBound, Closable, Suggesting, Generic[T]):
         """Enqueue a publication."""
         if self._closed:
             return
-        sample = Sample(received, time.monotonic_ns(), time.time_ns())
         if len(self._waiting) == self._waiting.maxlen:
             with contextlib.suppress(IndexError):  # a reader may empty the queue at this moment
-                self._dropped_keys[self._waiting.popleft().received.key] += 1
+                self._dropped_keys[self._waiting.popleft().key] += 1
                 self.dropped += 1
-        self._waiting.append(sample)
-        self._newest = sample
+        self._waiting.append(received)
+        self._newest = received
         self._wakeup.set()
 
-    def _next(self, timeout_s: float | None) -> Sample | None:
+    def _next(self, timeout_s: float | None) -> Received | None:
         """Return the oldest publication; None after `timeout_s` (s), or if the queue is closed and empty."""
         self._wakeup.wait_for(lambda: self._waiting or self._closed, timeout_s)
         try:
-            sample = self._waiting.popleft()
+            received = self._waiting.popleft()
         except IndexError:
-            sample = None
+            received = None
         if self._waiting or self._closed:
             self._wakeup.set()  # for another thread that waits
-        return sample
+        return received
 
     @property
     def dropped_keys(self) -> Mapping[str, int]:
@@ -211,10 +195,10 @@ class Subscription(ProcessBound, Closable, Suggesting, Generic[T]):
         deadline = None if timeout_s is None else time.monotonic() + timeout_s
         while True:
             left = None if deadline is None else max(0.0, deadline - time.monotonic())
-            sample = self._next(left)
-            if sample is None:
+            received = self._next(left)
+            if received is None:
                 raise self._silence(timeout_s or 0.0)
-            arrival = self._read(sample)
+            arrival = self._read(received)
             if arrival is not None:
                 return arrival
 
@@ -225,11 +209,11 @@ class Subscription(ProcessBound, Closable, Suggesting, Generic[T]):
     def take_arrivals(self, timeout_s: float = 0.0) -> list[Arrival[T]]:
         """Return the publications of `take` with the times of their arrival."""
         arrivals = []
-        sample = self._next(timeout_s)
-        while sample is not None:
-            if (arrival := self._read(sample)) is not None:
+        received = self._next(timeout_s)
+        while received is not None:
+            if (arrival := self._read(received)) is not None:
                 arrivals.append(arrival)
-            sample = self._next(0.0)
+            received = self._next(0.0)
         return arrivals
 
     def arrivals(self) -> Iterator[Arrival[T]]:
@@ -245,12 +229,12 @@ class Subscription(ProcessBound, Closable, Suggesting, Generic[T]):
     def __iter__(self) -> Iterator[T]:
         return (arrival.value for arrival in self.arrivals())
 
-    def _read(self, sample: Sample) -> Arrival[T] | None:
-        parts = keys.parse(sample.received.key)
-        value = None if parts is None else self._reader(self._client, sample)
+    def _read(self, received: Received) -> Arrival[T] | None:
+        parts = keys.parse(received.key)
+        value = None if parts is None else self._reader(self._client, received)
         if parts is None or value is None:
             return None
-        return Arrival(value, parts.robot, parts.side, sample.t_mono_ns, sample.t_wall_ns)
+        return Arrival(value, parts.robot, parts.side, received.t_mono_ns, received.t_wall_ns)
 
     def _silence(self, timeout_s: float) -> NoAnswer:
         if self._closed:
@@ -258,16 +242,20 @@ class Subscription(ProcessBound, Closable, Suggesting, Generic[T]):
         parts = keys.parse(self._key)
         side = "" if parts is None or parts.side == "*" else f" ({parts.side})"
         name = self._key if parts is None else f"{parts.robot}{side}"
+        what, cause = "message", "The robot does not respond, or is no longer online."
         if parts is not None and parts.eye:
-            text = (
-                f"{name}: no picture from the {view_title(parts.eye)} for {timeout_s:g} s. The field `cameras` of the "
-                "robot's status gives the cause; an eye that is not listed there has no camera."
+            what = f"picture from the {view_title(parts.eye)}"
+            cause = (
+                "The field `cameras` of the robot's status gives the cause; an eye that is not listed there has no "
+                "camera."
             )
-            return NoAnswer(Reason.TIMED_OUT, text)
-        return NoAnswer(
-            Reason.TIMED_OUT,
-            f"{name}: no message for {timeout_s:g} s. The robot does not respond, or is no longer online.",
-        )
+        elif parts is not None and parts.row == "microphones":
+            what = "sound"
+            cause = (
+                "The field `microphones` of the robot's status gives the cause; if it is missing, the robot has none: "
+                "start its node with `beatrix hw --microphones DEVICE`."
+            )
+        return NoAnswer(Reason.TIMED_OUT, f"{name}: no {what} for {timeout_s:g} s. {cause}")
 
     def close(self) -> None:
         """End the subscription; a thread that waits for a publication returns. May be called twice."""
@@ -373,21 +361,21 @@ def images(
     return Subscription(client, key, image, timeout_s=timeout_s, length=length, bus=client.media)
 
 
-def image(client: Client, sample: Sample) -> CameraImage | None:
+def image(client: Client, received: Received) -> CameraImage | None:
     """Convert a publication to a picture; log a warning and return None if it is not a JPEG with a valid header."""
-    received, parts = sample.received, keys.parse(sample.received.key)
+    parts = keys.parse(received.key)
     if not received.payload.startswith(JPEG_BEGIN):
         client.report(
-            sample.header, "ignored: it is not a JPEG picture. Another program publishes on this key: end it."
+            received, "ignored: it is not a JPEG picture. Another program publishes on this key: end it."
         )
         return None
-    header = client.read(sample.header, FrameHeader)
+    header = client.read(received.header, FrameHeader)
     if parts is None or header is None:
         return None
     return CameraImage(
         jpeg=received.payload,
         eye=parts.eye,
         **msgspec.structs.asdict(header),
-        arrived_mono_ns=sample.t_mono_ns,
-        arrived_wall_ns=sample.t_wall_ns,
+        arrived_mono_ns=received.t_mono_ns,
+        arrived_wall_ns=received.t_wall_ns,
     )

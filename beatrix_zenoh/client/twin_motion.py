@@ -21,7 +21,7 @@ from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.robot_base import offset_of
 from beatrix_zenoh.client.slips import Suggesting
 from beatrix_zenoh.client.stopping import StopEvents, sentence, stop_robots
-from beatrix_zenoh.client.twin_state import POLL_S, Lead, PlanPosition, Tokens
+from beatrix_zenoh.client.twin_state import POLL_S, Lead, PlanPosition
 from beatrix_zenoh.contract._generated.messages import MotionQuery, MotionReply, PoseQuery, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer, naming
 
@@ -211,8 +211,7 @@ class TwinMotion(ProcessBound, Suggesting):
         if measured:
             self._begins = [MotionBegin(robot, position.arms) for robot, position in robots]
         if self.lead_s:
-            stops = (StopEvents(robot, position.t) for robot, position in robots)
-            self._lead.watch(check_both, [*stops, Tokens(self._sim), Tokens(self._hw)])
+            self._lead.watch(check_both, [StopEvents(robot, position.t) for robot, position in robots])
 
     def hold(self) -> bool:
         """Keep other threads from sending the motion to the hardware; return False if it was sent or held before."""
@@ -222,7 +221,6 @@ class TwinMotion(ProcessBound, Suggesting):
         """Request that the motion ends with this error, as `hold` does; only the error of the first call is raised."""
         self.hold()
         self._end = self._end or why
-        self._lead.wake()
 
     def start(self, *, wait: bool, begun: Callable[[], None] = lambda: None) -> None:
         """Send the motion to the simulation, call `begun`, and without a lead send it to the hardware, too.

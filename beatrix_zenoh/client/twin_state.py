@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import queue
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -13,7 +11,6 @@ from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.client.robot_base import RobotBase
 from beatrix_zenoh.client.stopping import StopEvents
 from beatrix_zenoh.contract import refusals
-from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Fault, Reason, Status
 from beatrix_zenoh.contract.errors import Interrupted, NoAnswer, naming
 from beatrix_zenoh.contract.names import TEACHER
@@ -67,24 +64,6 @@ def may_move(status: Status, seat: str, *, moves: bool = True) -> None:
         raise refusals.driven_by(status.holder, None if status.moving else refusals.LINGER_S)
 
 
-class Tokens:
-    """Notices that a robot is no longer online: it may have been replaced since."""
-
-    def __init__(self, robot: RobotBase) -> None:
-        """Watch the liveliness token of a robot that is online."""
-        self._robot, self._lost = robot, False
-        self.close = robot.client.bus.watch_tokens(keys.alive(*robot.place), self._on_token)
-
-    def _on_token(self, _key: str, alive: bool) -> None:  # noqa: FBT001
-        self._lost |= not alive
-
-    def check(self) -> None:
-        """Raise NoAnswer if the token has disappeared."""
-        if self._lost:
-            text = f"{self._robot} is no longer online. Start it, make it ready, and preview again."
-            raise NoAnswer(Reason.NODE_LOST, text)
-
-
 class Lead:
     """Decides once whether a motion is sent to the hardware, and when; several threads and signal handlers may use it.
 
@@ -100,9 +79,8 @@ class Lead:
         self._claimed = threading.Lock()
         """Acquired once and never released. It is a lock because acquiring it without waiting is atomic, also between
         a signal handler and the thread that it interrupts."""
-        self._wakeups: queue.SimpleQueue[None] = queue.SimpleQueue()
         self._check_both: Callable[[], None] = lambda: None
-        self._watches: Sequence[StopEvents | Tokens] = ()
+        self._stops: Sequence[StopEvents] = ()
 
     def claim(self) -> bool:
         """Return True for the first call, whose caller alone decides about the hardware; False for each further one."""
@@ -115,14 +93,14 @@ class Lead:
             return 0.0
         return self.lead_s if self._due_s is None else max(0.0, self._due_s - time.monotonic())
 
-    def watch(self, check_both: Callable[[], None], watches: Sequence[StopEvents | Tokens]) -> None:
+    def watch(self, check_both: Callable[[], None], stops: Sequence[StopEvents]) -> None:
         """Have both robots checked during the lead; an exception of a check ends the motion.
 
         Args:
             check_both: called just before the motion is sent to the hardware.
-            watches: checked continuously, and closed at the end.
+            stops: checked continuously, and closed at the end.
         """
-        self._check_both, self._watches = check_both, watches
+        self._check_both, self._stops = check_both, stops
 
     def begin(self) -> None:
         """Start the lead: the simulation has begun."""
@@ -133,17 +111,11 @@ class Lead:
         if self._due_s is None or self._claimed.locked():
             return False
         self._due_s = min(self._due_s, time.monotonic())
-        self.wake()
         return True
-
-    def wake(self) -> None:
-        """End the current `wait`, or else the next one."""
-        self._wakeups.put(None)
 
     def wait(self) -> None:
         """Wait one step, at most until the motion is due."""
-        with contextlib.suppress(queue.Empty):
-            self._wakeups.get(timeout=max(0.001, min(self._left_s(), POLL_S)))
+        time.sleep(max(0.001, min(self._left_s(), POLL_S)))
 
     def due(self) -> bool:
         """Return whether the motion is now to be sent to the hardware, after all checks.
@@ -152,8 +124,8 @@ class Lead:
             Interrupted: STOP was pressed, or this program was suspended for too long.
             BeatrixError: a check of `watch` failed.
         """
-        for watch in self._watches:
-            watch.check()
+        for stops in self._stops:
+            stops.check()
         left_s = self._left_s()
         if left_s < -LATE_S:
             raise Interrupted(
@@ -170,5 +142,5 @@ class Lead:
 
     def close(self) -> None:
         """End the subscriptions."""
-        for watch in self._watches:
-            watch.close()
+        for stops in self._stops:
+            stops.close()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 
 from beatrix_zenoh.contract._generated.messages import Command, Detail, Limit, Reason
@@ -88,23 +87,11 @@ def bad_field(field: str, what: str = "", known: Sequence[str] = ()) -> Refused:
     return Refused(Reason.BAD_VALUE, what, Detail(field=field, known=list(known)))
 
 
-def too_far(arms: Iterable[float], high: float, *, at_goal: bool) -> Refused:
-    """Return a BAD_VALUE refusal: an arm (rad from home) is further away than `high` (rad).
-
-    `at_goal`: the goal of a motion, and `high` is the limit of a frame; otherwise the board reports the position.
-    """
+def too_far(arms: Iterable[float], high: float) -> Refused:
+    """Return a BAD_VALUE refusal: the goal of an arm (rad from home) exceeds `high` (rad), the largest in a frame."""
     name, angle = _furthest(arms)
-    return Refused(
-        Reason.BAD_VALUE,
-        detail=Detail(
-            limit=Limit.TRAVEL,
-            value=_finite(abs(angle)),
-            high=high,
-            unit="rad",
-            arms=[name],
-            at_goal=at_goal,
-        ),
-    )
+    detail = Detail(limit=Limit.TRAVEL, value=abs(angle), high=high, unit="rad", arms=[name], at_goal=True)
+    return Refused(Reason.BAD_VALUE, detail=detail)
 
 
 def too_far_for_any_pose(arms: Iterable[float], high: float) -> Refused:
@@ -118,24 +105,9 @@ def too_far_for_any_pose(arms: Iterable[float], high: float) -> Refused:
     )
 
 
-def impossible_speed(velocity: Iterable[float], high: float) -> Refused:
-    """Return a BAD_VALUE refusal: the board reports an arm speed (rad/s) above `high` (rad/s), the highest possible."""
-    name, rate = _furthest(velocity)
-    return Refused(
-        Reason.BAD_VALUE,
-        detail=Detail(limit=Limit.SPEED, value=_finite(abs(rate)), high=high, unit="rad/s", arms=[name]),
-    )
-
-
 def _furthest(arms: Iterable[float]) -> tuple[str, float]:
-    """Return name and value of the arm with the largest absolute value; NaN counts as the largest."""
-    return max(
-        zip(ARMS, arms, strict=True), key=lambda pair: math.inf if math.isnan(pair[1]) else abs(pair[1])
-    )
-
-
-def _finite(number: float) -> float | None:
-    return number if math.isfinite(number) else None
+    """Return name and value of the arm with the largest absolute value."""
+    return max(zip(ARMS, arms, strict=True), key=lambda pair: abs(pair[1]))
 
 
 def check_ready(*, emergency: bool, enabled: bool, calibrated: bool) -> None:

@@ -39,10 +39,22 @@ class KeyRow(NamedTuple):
         return self.key.format_map(dict(zip(_fields(self.key), names, strict=True)))
 
 
-def stream(key: str, payload: str, reply: str = "", priority: str = "data", rate_hz: int = 0) -> KeyRow:
-    """Return the row of messages that a robot publishes, and of which a query returns the newest; `reply`: several."""
+def stream(
+    key: str,
+    payload: str,
+    reply: str = "",
+    priority: str = "data",
+    publish: str = "control",
+    rate_hz: int = 0,
+) -> KeyRow:
+    """Return the row of messages that are published, and of which a query returns the newest; `reply`: several."""
     kind = "publication and query"
-    return KeyRow(key, payload, reply or payload, "queries", priority, kind, rate_hz=rate_hz)
+    return KeyRow(key, payload, reply or payload, "queries", priority, kind, publish, rate_hz)
+
+
+def media(key: str, payload: str, rate_hz: int = 0) -> KeyRow:
+    """Return the row of pictures or sound, which a robot publishes."""
+    return KeyRow(key, payload, "", "media", "data_low", "publication", "media", rate_hz)
 
 
 @cache

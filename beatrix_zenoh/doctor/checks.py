@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 from beatrix_zenoh.account import days_left, today
 from beatrix_zenoh.client.monitor import Monitor
-from beatrix_zenoh.client.plan import unlike
 from beatrix_zenoh.client.robot_base import clock_offsets
 from beatrix_zenoh.client.session import Client, Place
+from beatrix_zenoh.client.twin import unlike
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import CONTRACT, Fault, Info, Reason, Status
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer

@@ -14,7 +14,7 @@ from beatrix_zenoh import files
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ALLOWED, ROBOT, RobotData
-from beatrix_zenoh.contract.errors import QUOTED, BeatrixError, Refused, WrongUsage, quoted
+from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage, quoted
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits import TILT_KNOWN_BEYOND, MotionLimits, known_tilt
 from beatrix_zenoh.motion.rotation import leaning
@@ -76,7 +76,7 @@ def fingerprint(robot: RobotData) -> str:
 def entries(given: dict[str, object], known: Tables) -> Iterator[tuple[str, str, object]]:
     """Yield the table, field and value of each entry.
 
-    Raises Refused for unknown tables, for unknown or fixed fields, and for values of the wrong type.
+    Raises Refused for unknown tables, and for unknown or fixed fields.
     """
     for table, values in given.items():
         if table not in known or not isinstance(values, dict):
@@ -91,11 +91,6 @@ def entries(given: dict[str, object], known: Tables) -> Iterator[tuple[str, str,
                 )
             if field not in ALLOWED[table]:
                 raise Refused(Reason.BAD_VALUE, f"[{table}] {field} {FIXED}")
-            needed = int if isinstance(known[table][field], int) else int | float
-            if isinstance(value, bool) or not isinstance(value, needed):
-                kind = "whole number" if needed is int else f"number of {ALLOWED[table][field].unit}"
-                text = f"[{table}] {field} = {repr(value)[:QUOTED]}: a {kind} is needed."
-                raise Refused(Reason.BAD_VALUE, text)
             yield table, field, value
 
 

@@ -213,14 +213,6 @@ class PlannedMotion(msgspec.Struct, frozen=True):
         """Return the trajectory that the firmware would follow with this acceleration (rad/s2)."""
         return plan(self.start, self.velocity, self.target, self.speed, acceleration, straight=self.straight)
 
-    def to(self, target: Arms) -> PlannedMotion:
-        """Return the same motion with another goal (rad)."""
-        return msgspec.structs.replace(self, target=target)
-
-    def at_speed(self, speed: Arms) -> PlannedMotion:
-        """Return the same motion at other speeds (rad/s)."""
-        return msgspec.structs.replace(self, speed=speed)
-
     def proportional_speed(self) -> Arms:
         """Return speeds (rad/s) with which the arms arrive at about the same time; no arm becomes faster."""
         travel = [abs(b - a) for a, b in zip(self.start, self.target, strict=True)]

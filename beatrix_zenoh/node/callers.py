@@ -144,7 +144,7 @@ class AskedTerms:
             self._asker, self.now = NO_CALLER, NO_TERMS
 
     def speed(self, seat: str) -> float:
-        """Return the top speed (rad/s) of a seat; 0: none."""
+        """Return the top speed (rad/s) that a seat has asked for with its lease; 0: none."""
         return self.now.speed if seat and seat == self._asker.seat else 0.0
 
 
@@ -181,7 +181,7 @@ class RobotLease:
     def __init__(self) -> None:
         self.motion, self.turn = MotionLease(), Turn()
         self._taker = NO_CALLER
-        self._terms = AskedTerms()
+        self.terms = AskedTerms()
         self._used_s = 0.0
         """Time of the last request of the taker (s)."""
         self._number = 0
@@ -203,15 +203,14 @@ class RobotLease:
         """Return the waiting seats, the next one first."""
         return list(self._waiting)
 
-    def speed(self, seat: str) -> float:
-        """Return the top speed (rad/s) that a seat has asked for with its lease; 0: none."""
-        return self._terms.speed(seat)
-
     def left_s(self, now_s: float) -> float:
         """Return the time until the turn of the holder ends (s); infinity: no end is set."""
         self._hand_over(now_s)
-        longest_s = self._terms.now.longest_s if self._taker.seat else 0.0
-        return max(0.0, self.turn.end_s(waiting=bool(self._waiting), longest_s=longest_s) - now_s)
+        return max(0.0, self._turn_end_s() - now_s)
+
+    def _turn_end_s(self) -> float:
+        longest_s = self.terms.now.longest_s if self._taker.seat else 0.0
+        return self.turn.end_s(waiting=bool(self._waiting), longest_s=longest_s)
 
     def check(self, caller: Caller, number: int, now_s: float) -> None:
         """Check that no other seat holds the robot, and that the lease `number` of a request (0: none) has not ended.
@@ -259,7 +258,7 @@ class RobotLease:
 
     def give_back(self, caller: Caller) -> bool:
         """End the lease of a seat (teacher: any lease) and its place in the queue; return whether either existed."""
-        self._terms.end(caller)
+        self.terms.end(caller)
         seat = caller.seat
         return self.end(self._taker.seat if seat == TEACHER and self._taker.seat else seat)
 
@@ -277,7 +276,7 @@ class RobotLease:
 
     def session_ended(self, caller: Caller) -> None:
         """End the lease of a session that has ended, and its place in the queue."""
-        self._terms.end(caller)
+        self.terms.end(caller)
         if self._taker == caller:
             self._taker = NO_CALLER
         waiting = self._waiting.get(caller.seat)
@@ -288,8 +287,7 @@ class RobotLease:
         """End a turn whose time is over; grant a free robot, or one with an idle holder, to the first waiting seat."""
         holder = self._taker.seat or self.motion.holder(now_s)
         self.turn.begin(holder, now_s)
-        longest_s = self._terms.now.longest_s if self._taker.seat else 0.0
-        if now_s >= self.turn.end_s(waiting=bool(self._waiting), longest_s=longest_s):
+        if now_s >= self._turn_end_s():
             self.turn.over, self.turn.seat, self._taker = holder, "", NO_CALLER
             if self.motion.holder(now_s) == holder:
                 self.motion.release(now_s)
@@ -305,7 +303,7 @@ class RobotLease:
     def _grant(self, to: Waiting, now_s: float) -> None:
         self._waiting.pop(to.caller.seat, None)
         self.turn.begin(to.caller.seat, now_s)
-        self._terms.grant(to.caller, to.terms)
+        self.terms.grant(to.caller, to.terms)
         self._taker, self._used_s = to.caller, now_s
         self._number += 1
 

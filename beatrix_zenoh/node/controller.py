@@ -146,7 +146,7 @@ class MotionController:
         resting = not self.moving and self.running is None
         self.access.authorize(Operation.MOVE, caller, now_s, resting=resting, lease=query.lease)
         with self.access.lock:
-            self.planner.limit_turn(self.access.lease.speed(caller.seat))
+            self.planner.limit_turn(self.access.lease.terms.speed(caller.seat))
         try:
             goal = self.planner.goal(query, self.board.ready_telemetry(), self.last_goal)
         finally:

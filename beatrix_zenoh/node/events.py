@@ -8,25 +8,14 @@ import time
 from collections import Counter, deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 
-import msgspec
+from msgspec.structs import replace
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.contract import printable
-from beatrix_zenoh.contract._generated.messages import (
-    Detail,
-    Event,
-    EventKind,
-    Events,
-    MotionQuery,
-    Phase,
-    PoseQuery,
-    Reason,
-    SeatCount,
-    Source,
-    Vector3,
-)
+from beatrix_zenoh.contract._generated.messages import Event, EventKind, Events, Reason, SeatCount
 from beatrix_zenoh.contract.sentences.events import sentence
 
 KEPT: Final = 200
@@ -48,6 +37,9 @@ _PRINTED: Final = (
 """Kinds that are logged as warnings, which the process prints; the others are only written to the log file."""
 
 log = logging.getLogger("beatrix_zenoh.node.events")
+
+new_event = partial(Event, seq=0, t_mono_ns=0, t_wall_ns=0)
+"""Returns an event without number and times, which `NodeEvents.add` gives it."""
 
 
 @dataclass
@@ -75,58 +67,21 @@ class NodeEvents:
         self._latest: deque[Event] = deque(maxlen=KEPT)
         self._unpublished: deque[Event] = deque(maxlen=KEPT)
 
-    def add(
-        self,
-        kind: EventKind,
-        *,
-        action: str = "",
-        caller: tuple[str, str] = ("", ""),
-        phase: Phase | None = None,
-        reason: Reason = Reason.OK,
-        message: str = "",
-        motion: int = 0,
-        duration_s: float = 0.0,
-        detail: Detail | None = None,
-        source: Source | None = None,
-        query: MotionQuery | PoseQuery | None = None,
-        position: Vector3 | None = None,
-    ) -> None:
-        """Record an event with the present time; `caller`: seat and session; `query`: the motion as it was requested."""
-        seat, session = caller
-        name, text = printable.name(seat), printable.line(message)
-
-        def event(seq: int, count: int) -> Event:
-            return Event(
-                seq=seq,
-                t_mono_ns=time.monotonic_ns(),
-                t_wall_ns=time.time_ns(),
-                kind=kind,
-                action=action,
-                seat=name,
-                session=session,
-                phase=phase,
-                reason=reason,
-                message=text,
-                motion=motion,
-                duration=duration_s,
-                detail=detail,
-                source=source,
-                motion_query=query if isinstance(query, MotionQuery) else None,
-                pose_query=query if isinstance(query, PoseQuery) else None,
-                position=position,
-                count=count,
-            )
-
-        if kind is EventKind.STOP and reason is not Reason.MUTED:
-            with self._lock:
-                if name in self._stops or len(self._stops) < STOP_SEATS:
-                    self._stops[name] += 1
-        self._record((kind, action, caller, phase, reason), event)
-
-    def _record(self, same: tuple[object, ...], event: Callable[[int, int], Event]) -> None:
-        """Emit or hold an event; `same`: what equal events have in common; `event` makes it, with number and count."""
+    def add(self, event: Event) -> None:
+        """Record an event (see `new_event`) with the present time: emit it, or hold it in a burst of equal ones."""
+        event = replace(
+            event,
+            t_mono_ns=time.monotonic_ns(),
+            t_wall_ns=time.time_ns(),
+            seat=printable.name(event.seat),
+            message=printable.line(event.message),
+        )
+        same = event.kind, event.action, event.seat, event.session, event.phase, event.reason
         emitted, now_s = [], self._monotonic_s()
         with self._lock:
+            counts = event.kind is EventKind.STOP and event.reason is not Reason.MUTED
+            if counts and (event.seat in self._stops or len(self._stops) < STOP_SEATS):
+                self._stops[event.seat] += 1
             window = self._windows.get(same)
             if window is None:
                 window = self._windows[same] = _Window(now_s)
@@ -134,9 +89,9 @@ class NodeEvents:
                 emitted += self._flush(window, now_s)
             if window.passed < BURST:
                 window.passed += 1
-                emitted.append(self._emit(event(self._next_seq(), 1)))
+                emitted.append(self._emit(event))
             else:
-                window.held = event(0, 1 if window.held is None else window.held.count + 1)
+                window.held = replace(event, count=1 if window.held is None else window.held.count + 1)
         self._write(emitted)  # after releasing the lock, because a log handler may wait
 
     def take(self) -> list[Event]:
@@ -166,13 +121,12 @@ class NodeEvents:
     def _flush(self, window: _Window, now_s: float) -> list[Event]:
         held, window.held = window.held, None
         window.began_s, window.passed = now_s, int(held is not None)
-        return [] if held is None else [self._emit(msgspec.structs.replace(held, seq=self._next_seq()))]
-
-    def _next_seq(self) -> int:
-        self._seq = (self._seq + 1) % _SEQS
-        return self._seq
+        return [] if held is None else [self._emit(held)]
 
     def _emit(self, event: Event) -> Event:
+        """Number an event, and store it for the publisher and for queries."""
+        self._seq = (self._seq + 1) % _SEQS
+        event = replace(event, seq=self._seq)
         self._latest.append(event)
         self._unpublished.append(event)
         return event
@@ -207,13 +161,13 @@ class Diagnostics:
         """Record a sentence as an event and show it for SHOWN_S; a repetition replaces the earlier warning."""
         others = [warning for warning in self._warnings if warning[1] != text]
         self._warnings = deque([*others, (self._monotonic_s(), text)], maxlen=LENGTH)
-        self._events.add(EventKind.WARNING, reason=reason, message=text)
+        self._events.add(new_event(kind=EventKind.WARNING, reason=reason, message=text))
 
     def follow_boot(self, boot: int, *, calibrated: bool) -> None:
         """Compare the boot number with the last one; after a restart record an event and warn until calibration."""
         restarted = bool(self._boot and boot != self._boot) and not calibrated
         if restarted:
-            self._events.add(EventKind.BOARD, message=RESTARTED)
+            self._events.add(new_event(kind=EventKind.BOARD, message=RESTARTED))
         self._restarted = not calibrated and (self._restarted or restarted)
         self._boot = boot
 

@@ -8,7 +8,8 @@ from typing import Protocol
 
 from msgspec import Struct
 
-from beatrix_zenoh.board.state import Port, TimedPort
+from beatrix_zenoh.board.state import Port
+from beatrix_zenoh.board.virtual import TimedPort
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Fault, PlantStatus
 from beatrix_zenoh.contract._generated.serial import Telemetry

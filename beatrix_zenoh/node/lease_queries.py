@@ -11,7 +11,7 @@ from typing import Final, NamedTuple
 from msgspec.structs import replace
 
 from beatrix_zenoh.bus import Incoming, Sessions, query_forms
-from beatrix_zenoh.contract import names, refusals
+from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import (
     Detail,
@@ -30,8 +30,6 @@ from beatrix_zenoh.node.requests import RequestHandle, Requests, check_own_key
 
 OF_SEATS: Final = (LeaseAction.TAKE, LeaseAction.WAIT, LeaseAction.GIVE_BACK)
 """What every seat may ask for; the rest is for the teacher."""
-MUTED_MAX: Final = 256
-"""Largest number of muted seats."""
 
 
 class LeaseState(NamedTuple):
@@ -41,7 +39,7 @@ class LeaseState(NamedTuple):
     """seat; empty: the robot is free"""
     lease: int
     """number of the lease that the holder has taken; 0: the robot is free, or a seat holds it only by its motion"""
-    waiting: tuple[str, ...]
+    waiting: list[str]
     """seats, the next first"""
     turn_s: int = 0
     """time until the turn of the holder ends (s, rounded up); 0: no end is set"""
@@ -53,7 +51,7 @@ def standing(access: Access, now_s: float) -> LeaseState:
         holder, number = access.lease.holder(now_s), access.lease.number(now_s)
         left_s = access.lease.left_s(now_s)
         turn_s = math.ceil(left_s) if math.isfinite(left_s) else 0
-        return LeaseState(holder, number, tuple(access.lease.waiting()), turn_s)
+        return LeaseState(holder, number, access.lease.waiting(), turn_s)
 
 
 def take(access: Access, caller: Caller, now_s: float, *, wait: bool = False, terms: Terms = NO_TERMS) -> int:
@@ -114,8 +112,7 @@ class LeaseHandler(Component):
         sessions.serve(self._key, self._query)
 
     def contribute(self, status: StatusFields) -> None:
-        now = standing(self._access, time.monotonic())
-        status.values |= {**now._asdict(), "waiting": list(now.waiting)}
+        status.values |= standing(self._access, time.monotonic())._asdict()
         with self._access.lock:
             turn = self._access.lease.turn
             over, turn.over = turn.over, ""
@@ -230,8 +227,6 @@ class LeaseHandler(Component):
             with access.lock:
                 access.teacher.muted -= {seat}
             return f"{seat} is not muted and may move the robot."
-        if seat not in access.teacher.muted and len(access.teacher.muted) >= MUTED_MAX:
-            raise refusals.queue_full(MUTED_MAX)
         mute(access, seat, time.monotonic())
         if self._drives(seat):
             self._stop(StopCause.MUTED)
@@ -253,6 +248,6 @@ class LeaseHandler(Component):
             message=text,
             lease=now.lease if now.holder == caller.seat else 0,
             holder=now.holder,
-            waiting=list(now.waiting),
+            waiting=now.waiting,
             detail=detail,
         )

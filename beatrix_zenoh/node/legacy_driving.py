@@ -12,7 +12,7 @@ from beatrix_zenoh.contract.names import OLD_PROGRAMS
 from beatrix_zenoh.node.access import TEXT_SESSION, Operation
 from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.controller import MotionController
-from beatrix_zenoh.node.events import NodeEvents
+from beatrix_zenoh.node.events import NodeEvents, new_event
 from beatrix_zenoh.node.interfaces import HardwareInterface
 from beatrix_zenoh.node.planner import vector
 
@@ -111,15 +111,17 @@ class Driving:
             return
         moved = operation is Operation.MOVE and since_s is not None
         phase = Phase.DONE if moved else Phase.ACCEPTED if operation is Operation.MOVE else None
-        self._events.add(
-            KINDS.get(operation, EventKind.COMMAND),
+        event = new_event(
+            kind=KINDS.get(operation, EventKind.COMMAND),
             action=text.partition(" ")[0],
-            caller=CALLER,
+            seat=CALLER.seat,
+            session=CALLER.session,
             phase=phase,
             reason=error.reason if error else Reason.OK,
             message=f"{text}: {why}" if why else text,
-            duration_s=time.monotonic() - since_s if moved and since_s is not None else 0.0,
+            duration=time.monotonic() - since_s if moved and since_s is not None else 0.0,
             detail=error.detail if error else None,
             source=None if moved else Source.OLD_PROGRAM,
             position=vector(self._controller.arms()) if moved else None,
         )
+        self._events.add(event)

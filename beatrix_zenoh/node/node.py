@@ -54,7 +54,7 @@ class LogEvents(Component, logging.Handler):
         """Add a record; called by logging, on any thread."""
         if record.name != events.log.name and threads.OWNER.get() in (None, self._owner):
             message = f"{record.name}: {record.getMessage()}"
-            self._events.add(EventKind.LOG, action=record.levelname, message=message)
+            self._events.add(events.new_event(kind=EventKind.LOG, action=record.levelname, message=message))
 
     def close(self) -> None:
         """Remove the handler."""

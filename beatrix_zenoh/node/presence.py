@@ -5,12 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from beatrix_zenoh.bus import Bus, SessionListener, Sessions
+from beatrix_zenoh.bus import Bus, Sessions
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import EventKind, Reason
 from beatrix_zenoh.contract.errors import NoAnswer, Refused
 from beatrix_zenoh.node.callers import RETURN_S, SETTLE_S, Caller
 from beatrix_zenoh.node.controller import MotionController
+from beatrix_zenoh.node.events import new_event
 from beatrix_zenoh.node.interfaces import Component
 from beatrix_zenoh.node.requests import Requests
 
@@ -37,12 +38,12 @@ class ClientWatch(Component):
         return "" if self._control is None else self._control.endpoint
 
     def start(self, sessions: Sessions) -> None:
-        self._control = sessions.control
-        sessions.watch_tokens(keys.seat("*", "*"), self._seat)
-        sessions.watch_tokens(keys.seats_router("*"), self._seats_router)
-        sessions.watch_router(self._router)
-        sessions.declare_token(self._alive_key)
-        self._end_reports = sessions.watch_sessions(SessionListener(self._renewed, self._refused))
+        self._control = control = sessions.control
+        control.watch_tokens(keys.seat("*", "*"), self._seat)
+        control.watch_tokens(keys.seats_router("*"), self._seats_router)
+        control.watch_router(self._router)
+        control.declare_token(self._alive_key)
+        self._end_reports = sessions.watch_sessions(self._renewed, self._refused)
 
     def _seat(self, key: str, alive: bool) -> None:  # noqa: FBT001
         """Handle a client's session that has begun or ended, on Zenoh's thread."""
@@ -76,12 +77,12 @@ class ClientWatch(Component):
         self._queue.post_event(lambda: self._router_changed(now_s, connected=connected))
         if connected:
             text = f"The router at {self._endpoint} is connected again."
-            self._events.add(EventKind.ROUTER, message=text)
+            self._events.add(new_event(kind=EventKind.ROUTER, message=text))
             return
         text = (
             f"The router at {self._endpoint} was lost: the node stops all motions and receives no requests."
         )
-        self._events.add(EventKind.ROUTER, reason=Reason.NO_ROUTER, message=text)
+        self._events.add(new_event(kind=EventKind.ROUTER, reason=Reason.NO_ROUTER, message=text))
 
     def _router_changed(self, now_s: float, *, connected: bool) -> None:
         self._connection_changed(now_s, connected=connected)
@@ -110,7 +111,7 @@ class ClientWatch(Component):
     def _refused(self, error: NoAnswer) -> None:
         """Report that the router refuses the account, on the watchdog's thread."""
         text = f"{error.message} Then start the node again: until then it receives no requests."
-        self._events.add(EventKind.ROUTER, reason=error.reason, message=text)
+        self._events.add(new_event(kind=EventKind.ROUTER, reason=error.reason, message=text))
 
     def close(self) -> None:
         """End the reports of the watchdog; the robot's token ends when the node closes its sessions."""
@@ -137,7 +138,7 @@ def claim_name(sessions: Sessions, name: str, side: str) -> None:
     alive, own = keys.alive(name, side), keys.claim(name, side, bus.session_id)
     if bus.tokens(alive):
         raise taken(bus, name, side)
-    withdraw = sessions.declare_token(own)
+    withdraw = bus.declare_token(own)
     deadline = time.monotonic() + WAIT_S
     while others := [other for other in bus.tokens(keys.claim(name, side, "*")) if other != own]:
         if min(others) < own or bus.tokens(alive) or time.monotonic() > deadline:

@@ -7,10 +7,9 @@ with wildcards may match several robots, so it moves none of them.
 from __future__ import annotations
 
 import contextlib
-import heapq
-import itertools
 import math
 import queue
+import sched
 import threading
 import time
 from collections import deque
@@ -20,6 +19,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import msgspec
+from msgspec.structs import replace
 
 from beatrix_zenoh.bus import Incoming
 from beatrix_zenoh.contract import refusals
@@ -38,7 +38,7 @@ from beatrix_zenoh.contract._generated.messages import (
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.node.callers import Caller
-from beatrix_zenoh.node.events import NodeEvents
+from beatrix_zenoh.node.events import NodeEvents, new_event
 from beatrix_zenoh.node.planner import vector
 
 CAPACITY = 64
@@ -67,9 +67,8 @@ class ControllerQueue:
         self._arrived: queue.SimpleQueue[None] = queue.SimpleQueue()
         """One item for each entry and for `close`; a SimpleQueue wakes the reader in half the time of a Condition."""
         self._count = 0
-        self._later: list[tuple[float, int, Run]] = []
-        """Heap of the entries of `post_later`: time (s), number, function."""
-        self._numbers = itertools.count()
+        self._later = sched.scheduler(time.monotonic)
+        """Appends the entries of `post_later` when they are due."""
         self._closed = False
 
     def post(self, run: Run, decline: Decline) -> None:
@@ -89,7 +88,7 @@ class ControllerQueue:
 
     def post_later(self, due_s: float, run: Run) -> None:
         """Append an entry at `due_s` (monotonic clock), after all that wait then; only the reader may call this."""
-        heapq.heappush(self._later, (due_s, next(self._numbers), run))
+        self._later.enterabs(due_s, 0, self.post_event, (run,))
 
     def post_latest(self, key: Hashable, run: Run, decline: Decline = lambda _: None) -> None:
         """Append an entry as `post` does; remove a waiting entry with the same key and decline it as REPLACED."""
@@ -125,10 +124,7 @@ class ControllerQueue:
     def take(self) -> Run | None:
         """Wait for the next work and return it; return None once the queue is closed and empty."""
         while True:
-            wait_s = self._later[0][0] - time.monotonic() if self._later else None
-            if wait_s is not None and wait_s <= 0:
-                self.post_event(heapq.heappop(self._later)[2])
-                continue
+            wait_s = self._later.run(blocking=False)
             with contextlib.suppress(queue.Empty):
                 self._arrived.get(timeout=wait_s)
                 break
@@ -214,21 +210,25 @@ class RequestHandle(msgspec.Struct, frozen=True):
             return
         motion = message if isinstance(message, MotionReply) else None
         done = motion is not None and motion.phase is Phase.DONE
-        arrives = motion is not None and (done or motion.reason is Reason.OK)
-        self.events.add(
-            self.kind,
+        query = None if done else self.query
+        event = new_event(
+            kind=self.kind,
             action=self.action,
-            caller=self.caller,
-            phase=None if motion is None else motion.phase,
+            seat=self.caller.seat,
+            session=self.caller.session,
             reason=message.reason,
             message=message.message,
-            motion=0 if motion is None else motion.motion,
-            duration_s=0.0 if motion is None else motion.duration,
             detail=message.detail,
             source=None if done else self.source,
-            query=None if done else self.query,
-            position=message.position if arrives and isinstance(message, MotionReply) else None,
+            motion_query=query if isinstance(query, MotionQuery) else None,
+            pose_query=query if isinstance(query, PoseQuery) else None,
         )
+        if motion is not None:
+            position = motion.position if done or motion.reason is Reason.OK else None
+            event = replace(
+                event, phase=motion.phase, motion=motion.motion, duration=motion.duration, position=position
+            )
+        self.events.add(event)
 
     def end(self, message: Reply) -> None:
         """Send the last reply."""

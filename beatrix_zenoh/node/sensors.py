@@ -46,7 +46,7 @@ from beatrix_zenoh.contract._generated.messages import (
     SoundHeader,
 )
 from beatrix_zenoh.contract.errors import NoAnswer
-from beatrix_zenoh.node.events import NodeEvents
+from beatrix_zenoh.node.events import NodeEvents, new_event
 from beatrix_zenoh.node.interfaces import Component, StatusFields
 
 JPEG: Final = "image/jpeg"
@@ -218,7 +218,7 @@ class SensorPublisher:
             changed, self._on = on != self._on, on
         if changed and self._kind.switched is not None:
             action = self._kind.name or ("on" if on else "off")
-            self._events.add(self._kind.event, action=action, message=self._kind.switched[on])
+            self._events.add(new_event(kind=self._kind.event, action=action, message=self._kind.switched[on]))
 
     def report(self, trouble: str) -> None:
         """Set the fault of the sensor, and record a change as an event.
@@ -232,7 +232,7 @@ class SensorPublisher:
             return
         reason, kind = Reason.FAULT if trouble else Reason.OK, self._kind
         text = f"{kind.title}: {trouble or 'connected again.'}"
-        self._events.add(kind.event, action=kind.name, reason=reason, message=text)
+        self._events.add(new_event(kind=kind.event, action=kind.name, reason=reason, message=text))
 
     def state(self) -> Struct:
         """Return the present state of the sensor."""

@@ -18,10 +18,10 @@ from typing import Final
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import files, threads
-from beatrix_zenoh.bus import Bus, Sessions
+from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
-from beatrix_zenoh.contract.errors import NoAnswer, Refused, WrongUsage
+from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
 from beatrix_zenoh.legacy import Terminal
 from beatrix_zenoh.logs import log_to
 from beatrix_zenoh.node.node import Node, RobotBody
@@ -38,8 +38,6 @@ CLOSE_S: Final = 0.4
 """Time (s) that a failed robot gets to reply to open requests, before its name is freed."""
 END_S: Final = 4.0
 """Longest time (s) for the end of all robots."""
-SIM: Final = "sim"
-"""Side of several robots of one process; a hardware node serves one."""
 SWITCH_S = 0.0005
 """Switch interval (s) of Python's threads, short so that a flood of requests does not delay STOP and the publisher."""
 _log = logging.getLogger(__name__)
@@ -80,8 +78,6 @@ def serve(
             return 0
         robots = Robots(shutdown)
         try:
-            if not alone:
-                _check_free(names, sessions.control)
             for name in names:
                 if not shutdown.requested(0):
                     own = sessions if alone else Sessions(sessions.connect, sessions)
@@ -93,18 +89,6 @@ def serve(
             robots.close()
             sessions.close()
     return FAULT if robots.failed else 0
-
-
-def _check_free(names: Sequence[str], bus: Bus) -> None:
-    """Raise Refused (NAME_TAKEN) with all names that are online, before any robot of the others is announced."""
-    online = [name for name, side in bus.robots() if side == SIM]
-    if taken := [name for name in names if name in online]:
-        others = " ".join(f"--name {name}" for name in names if name not in online)
-        instead = f", or simulate the others: beatrix sim {others}" if others else "."
-        raise Refused(
-            Reason.NAME_TAKEN,
-            f"Already simulated by another program at {bus.endpoint}: {', '.join(taken)}. End it{instead}",
-        )
 
 
 def _start(

@@ -9,7 +9,7 @@ import time
 from collections.abc import Sequence
 from importlib import metadata
 
-from msgspec.structs import replace
+from msgspec.structs import asdict, replace
 
 from beatrix_zenoh.board.board import Board
 from beatrix_zenoh.board.state import NO_TELEMETRY, TelemetrySample
@@ -163,11 +163,6 @@ def examples(name: str, side: str, endpoint: str) -> list[str]:
 
 def geometry_info(shape: GeometryData) -> msg.GeometryInfo:
     """Return the geometry with angles in rad."""
-    return msg.GeometryInfo(
-        arm_angle=math.radians(shape.arm_angle),
-        rod_twist=math.radians(shape.rod_twist),
-        mount_angle=math.radians(shape.mount_angle),
-        arm0_azimuth=math.radians(shape.arm0_azimuth),
-        arm_spacing=math.radians(shape.arm_spacing),
-        hand=shape.hand,
-    )
+    angles = asdict(shape)
+    hand = angles.pop("hand")
+    return msg.GeometryInfo(**{name: math.radians(angle) for name, angle in angles.items()}, hand=hand)

@@ -5,7 +5,6 @@ Queries for keys that the robot does not have get an error reply.
 
 from __future__ import annotations
 
-import difflib
 import math
 import time
 from collections.abc import Callable
@@ -29,8 +28,7 @@ from beatrix_zenoh.contract._generated.messages import (
 from beatrix_zenoh.contract.errors import quoted
 from beatrix_zenoh.contract.rows import KeyRow
 from beatrix_zenoh.contract.values import rows
-from beatrix_zenoh.node.callers import Caller
-from beatrix_zenoh.node.events import NodeEvents
+from beatrix_zenoh.node.events import NodeEvents, new_event
 from beatrix_zenoh.node.interfaces import Component
 from beatrix_zenoh.node.snapshot import Snapshot
 from beatrix_zenoh.schedule import SLACK_S, Schedule, ScheduledTask
@@ -49,12 +47,12 @@ class StatusEvents:
         """Record another holder, and a lost or connected board, as events."""
         if status.holder != self._holder:
             text = f"{status.holder} drives." if status.holder else f"{self._holder} has freed the robot."
-            self._events.add(EventKind.LEASE, caller=Caller(status.holder, ""), message=text)
+            self._events.add(new_event(kind=EventKind.LEASE, seat=status.holder, message=text))
         trouble = board_trouble(status)
         if trouble != self._trouble:
             reason = Reason.BOARD_LOST if trouble else Reason.OK
             text = trouble or f"The board at {status.board.port} is connected."
-            self._events.add(EventKind.BOARD, reason=reason, message=text)
+            self._events.add(new_event(kind=EventKind.BOARD, reason=reason, message=text))
         self._holder, self._trouble = status.holder, trouble
 
 
@@ -237,8 +235,6 @@ def change_fields(value: object) -> object:
     return value
 
 
-SIMILAR = 3
-"""Largest number of similar keys that a sentence names."""
 CACHED_KEYS = 256
 
 
@@ -259,26 +255,13 @@ class UnknownKeys:
 
     def error(self, key: str) -> ErrorReply:
         """Return the error reply to a query for a key that the robot does not have."""
-        queries = [known for known, kind in self._known.items() if "query" in kind]
-        candidates = [self._filled(known, key) for known in queries]
-        similar = difflib.get_close_matches(key.removeprefix(self.base), candidates, SIMILAR)
-        names = " or ".join(f"{self.base}{name}" for name in similar)
         refusal = refusals.bad_field(
             key,
-            f"This robot has no key {quoted(key)}. {f'Similar: {names}. ' if names else ''}{self.base}info lists all.",
-            [known.replace("*", "<who>") for known in queries],
+            f"This robot has no key {quoted(key)}. {self.base}info lists all.",
+            [known.replace("*", "<who>") for known, kind in self._known.items() if "query" in kind],
         )
         detail = refusal.detail or Detail()
         return ErrorReply(result=False, reason=refusal.reason, message=refusal.message, detail=detail)
-
-    def _filled(self, known: str, key: str) -> str:
-        """Return a known key without its beginning, with the chunks of `key` in place of its wildcards."""
-        given = key.split("/")
-        chunks = [
-            chunk if chunk != "*" else given[place] if place < len(given) else "me"
-            for place, chunk in enumerate(known.split("/"))
-        ]
-        return "/".join(chunks).removeprefix(self.base)
 
 
 REST = {"control": ("*", "*/*", "*/*/*/*", "*/*/*/*/*", "*/*/*/*/*/*"), "motion": ("*/*/*",)}
@@ -353,8 +336,7 @@ class StateQueries(QueryThread):
         super().start(sessions)
         for traffic, expressions in REST.items():
             for expression in expressions:
-                sessions.serve_rest(
-                    traffic,
+                sessions.session(traffic).serve(
                     f"{self._unknown.base}{expression}",
                     lambda incoming: self.post(lambda: self._refuse(incoming)),
                     self._unknown.has,

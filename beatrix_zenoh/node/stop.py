@@ -88,7 +88,7 @@ class StopHandler(Component):
         # The watchdog checks the first key of a session, and the account of a robot may not query STOP without a seat.
         for key in (keys.stop(name, side, "*"), keys.stop_unsigned(name, side)):
             sessions.serve(key, partial(self._query, key))
-            sessions.subscribe_newest(
+            sessions.control.subscribe_newest(
                 key, partial(self._put, key), lambda key: self.repeats(key, time.monotonic())
             )
 
@@ -123,7 +123,7 @@ class StopHandler(Component):
         One that comes after the query of the same press, which has done its work, could end the caller's next motion.
         """
         # The seat is that of the key, which the router of a class checks; any client can forge a session id.
-        caller = Caller(seat_of(received.key, served) or self._unsigned, received.session)
+        caller = Caller(seat_of(received.key, served) or self._unsigned, received.sender)
         press = received.attachment or b""
         if is_stop(received.key) and self._recorded.get((caller.seat, press)) != "query":
             events = self._events(caller.seat, "put", press)

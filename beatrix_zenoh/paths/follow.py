@@ -16,7 +16,7 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from beatrix_zenoh.client.degrees import RobotInfo, motion_query, robot_of
-from beatrix_zenoh.client.plan import unlike
+from beatrix_zenoh.client.twin import unlike
 from beatrix_zenoh.contract._generated.messages import MotionQuery, Reason
 from beatrix_zenoh.contract._generated.robot import RobotData
 from beatrix_zenoh.contract.errors import Refused, naming

@@ -25,6 +25,7 @@ from beatrix_zenoh.node import Component, StatusFields
 from beatrix_zenoh.node.access import Operation
 from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.controller import MotionController, StopCause
+from beatrix_zenoh.node.events import new_event
 from beatrix_zenoh.node.requests import RequestHandle, Requests, check_own_key, command_refusal, command_reply
 from beatrix_zenoh.node.snapshot import Snapshot
 from sim_node.following.arms import OwnArms, follows
@@ -174,7 +175,7 @@ class FollowHandler(Component):
         controller.follows = False
         if why:
             text = f"The simulation no longer follows the hardware: {why}"
-            self._events.add(EventKind.WARNING, message=text)
+            self._events.add(new_event(kind=EventKind.WARNING, message=text))
 
     # -- following, on the controller's thread ------------------------------------------------------
 
@@ -244,5 +245,5 @@ class FollowHandler(Component):
         said = warnings if state in (FollowState.WAITING, FollowState.PARTED) else following
         news = state is not self._state or (state is FollowState.WAITING and warnings != self._warnings)
         if news and state is not FollowState.APPROACHING and said != [NO_STATUS]:
-            self._events.add(EventKind.WARNING, message=said[0])
+            self._events.add(new_event(kind=EventKind.WARNING, message=said[0]))
         self._state, self._warnings = state, warnings

@@ -150,16 +150,9 @@ def test_an_undecodable_stop_reply_does_not_end_the_stop(stage: Stage, robot: Ro
         assert isinstance(motion.exception(5.0), Interrupted)
 
 
-@pytest.mark.parametrize(
-    ("typed", "similar"),
-    [
-        ("state/postions", "state/positions"),
-        ("cmd/me/motion/now", "cmd/me/motion"),
-        ("scene/targte", ""),
-    ],
-)
-def test_a_query_for_a_mistyped_key_gets_an_error_that_names_similar_keys(
-    stage: Stage, robot: Robot, typed: str, similar: str
+@pytest.mark.parametrize("typed", ["state/postions", "cmd/me/motion/now", "scene/targte"])
+def test_a_query_for_a_mistyped_key_gets_an_error_that_names_the_keys(
+    stage: Stage, robot: Robot, typed: str
 ) -> None:
     with foreign(stage) as session:
         for target in (zenoh.QueryTarget.BEST_MATCHING, zenoh.QueryTarget.ALL):
@@ -168,6 +161,5 @@ def test_a_query_for_a_mistyped_key_gets_an_error_that_names_similar_keys(
             told = json.loads(reply.err.payload.to_string())
             assert (told["result"], told["reason"]) == (False, "BAD_VALUE")
             assert f"no key 'beatrix/bea/hw/{typed}'" in told["message"]
-            assert f"Similar: beatrix/bea/hw/{similar}" in told["message"] or not similar
             assert "beatrix/bea/hw/cmd/<who>/motion" in told["detail"]["known"]
     assert robot.status().calibrated

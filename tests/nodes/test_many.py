@@ -59,7 +59,7 @@ def test_a_robot_stops_while_another_is_flooded(many: Stage) -> None:
 def test_a_second_process_may_not_take_a_name(many: Stage) -> None:
     second = beatrix("sim", "--name", "dan", "--name", "bob", "--connect", many.endpoint)
     assert second.returncode == 1
-    assert "End it, or simulate the others: beatrix sim --name dan" in second.stderr
+    assert "A sim robot named 'bob' is already online" in second.stderr
     with many.client() as client:
         robots = client.bus.robots()
     assert ("bob", "sim") in robots

@@ -14,7 +14,7 @@ LOST_S, BACK_S = 10.0, 20.0
 NOTICED_S = 0.001
 """Time from the disappearance of the tokens to the notice of the lost router."""
 GIVEN_UP_S = BACK_S + RETURN_S
-BEFORE = ("ana", 1, ("ben", "cleo"))
+BEFORE = ("ana", 1, ["ben", "cleo"])
 
 
 @pytest.fixture
@@ -59,7 +59,7 @@ def test_a_second_loss_restarts_the_time(access: Access) -> None:
     access.give_up_sessions(BACK_S + 5)
     assert standing(access, BACK_S + 5)[:3] == BEFORE
     access.give_up_sessions(BACK_S + 5 + RETURN_S)
-    assert standing(access, BACK_S + 5 + RETURN_S)[:3] == ("", 0, ())
+    assert standing(access, BACK_S + 5 + RETURN_S)[:3] == ("", 0, [])
 
 
 def test_the_holder_is_not_idle_while_it_cannot_send_requests(access: Access) -> None:
@@ -73,4 +73,4 @@ def test_the_holder_is_not_idle_while_it_cannot_send_requests(access: Access) ->
 def test_a_seat_that_is_disconnected_after_the_return_loses_its_lease_as_usual(access: Access) -> None:
     return_of(access, ANA, BEN, CLEO).session_changed(ANA, BACK_S + 1, alive=False)
     access.give_up_sessions(BACK_S + 1 + SETTLE_S)
-    assert standing(access, BACK_S + 1 + SETTLE_S)[:3] == ("ben", 2, ("cleo",))
+    assert standing(access, BACK_S + 1 + SETTLE_S)[:3] == ("ben", 2, ["cleo"])

@@ -7,6 +7,7 @@ import datetime as dt
 import msgspec
 import pytest
 from golden import same
+from msgspec.structs import replace
 from statuses import BOARD, READY
 
 from beatrix_zenoh.account import Account
@@ -23,6 +24,7 @@ from beatrix_zenoh.node.events import (
     WINDOW_S,
     Diagnostics,
     NodeEvents,
+    new_event,
 )
 from beatrix_zenoh.node.state import StatusEvents
 from beatrix_zenoh.settings import Settings
@@ -36,7 +38,8 @@ def log() -> NodeEvents:
 
 
 def add(log: NodeEvents, message: str, seat: Caller = ANA) -> None:
-    log.add(EventKind.MOTION, action="pose", caller=seat, phase=Phase.ACCEPTED, message=message)
+    event = new_event(kind=EventKind.MOTION, action="pose", seat=seat.seat, session=seat.session)
+    log.add(replace(event, phase=Phase.ACCEPTED, message=message))
 
 
 def test_events_are_numbered_and_published_once(log: NodeEvents) -> None:
@@ -110,19 +113,19 @@ def test_every_event_of_a_long_flood_is_counted_once() -> None:
 def test_stops_are_counted_from_the_start_however_many_events_follow(log: NodeEvents) -> None:
     """A seat removed its STOPs from the counts of `top` with 200 refused requests."""
     for number in range(3 * BURST):
-        log.add(EventKind.STOP, action="STOP", caller=("cem", f"{number % 2}"))
-    log.add(EventKind.STOP, action="STOP", caller=("cem", ""), reason=Reason.BOARD_LOST)
-    log.add(EventKind.STOP, action="STOP", caller=("ana", ""), reason=Reason.MUTED)
+        log.add(new_event(kind=EventKind.STOP, action="STOP", seat="cem", session=f"{number % 2}"))
+    log.add(new_event(kind=EventKind.STOP, action="STOP", seat="cem", reason=Reason.BOARD_LOST))
+    log.add(new_event(kind=EventKind.STOP, action="STOP", seat="ana", reason=Reason.MUTED))
     for number in range(2 * KEPT):
-        log.add(EventKind.MOTION, caller=("cem", f"{number}"), reason=Reason.NOT_HOLDER)
+        log.add(new_event(kind=EventKind.MOTION, seat="cem", session=f"{number}", reason=Reason.NOT_HOLDER))
     assert not any(event.kind is EventKind.STOP for event in log.latest().events)
     assert log.stops() == [SeatCount(seat="cem", count=3 * BURST + 1)], "not the one that the robot refused"
 
 
 def test_no_more_seats_than_the_limit_are_counted(log: NodeEvents) -> None:
     for number in range(STOP_SEATS + 5):
-        log.add(EventKind.STOP, caller=(f"seat{number}", ""))
-    log.add(EventKind.STOP, caller=("seat0", ""))
+        log.add(new_event(kind=EventKind.STOP, seat=f"seat{number}"))
+    log.add(new_event(kind=EventKind.STOP, seat="seat0"))
     assert len(log.stops()) == STOP_SEATS
     assert log.stops()[0] == SeatCount(seat="seat0", count=2)
 

@@ -103,7 +103,7 @@ class Following:
         return SimpleNamespace(query=lambda *_, **__: query)
 
     def publish(self, key: str, payload: bytes) -> None:
-        self._handlers[key](Received(key, payload, "", None))
+        self._handlers[key](Received(key, payload, "", None, 0, 0))
 
     def place(self, angle_deg: float) -> None:
         """Let the hardware publish that its set points are there."""

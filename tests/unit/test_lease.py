@@ -45,9 +45,9 @@ def test_a_lease_ends_with_its_session_and_the_first_waiting_seat_gets_the_robot
     access.session_changed(BEN, 4, alive=False)
     access.session_changed(ANA, 4, alive=False)
     assert not access.give_up_sessions(4 + SETTLE_S / 2)
-    assert standing(access, 4 + SETTLE_S / 2)[:3] == ("ana", 1, ("ben", "cleo"))
+    assert standing(access, 4 + SETTLE_S / 2)[:3] == ("ana", 1, ["ben", "cleo"])
     access.give_up_sessions(4 + SETTLE_S)
-    assert standing(access, 4 + SETTLE_S)[:3] == ("cleo", 2, ())
+    assert standing(access, 4 + SETTLE_S)[:3] == ("cleo", 2, [])
 
 
 def test_an_idle_holder_loses_the_robot_only_to_a_seat_that_waits(access: Access) -> None:
@@ -74,7 +74,7 @@ def test_a_seat_gives_back_its_own_place_only_and_the_teacher_that_of_the_holder
     take(access, BEN, 0, wait=True)
     assert access.lease.give_back(BEN)
     assert not access.lease.give_back(BEN)
-    assert standing(access, 0)[:3] == ("ana", 1, ())
+    assert standing(access, 0)[:3] == ("ana", 1, [])
     assert access.lease.give_back(BOSS)
     assert standing(access, 0).holder == ""
 
@@ -169,10 +169,10 @@ def test_a_waiting_seat_gets_the_terms_that_it_has_asked_for(access: Access) -> 
     take(access, BEN, 0, wait=True, terms=Terms(longest_s=30, speed=0.5))
     access.lease.give_back(ANA)
     assert standing(access, 10).turn_s == 30
-    assert [access.lease.speed(seat) for seat in ("ben", "ana", "")] == [0.5, 0, 0]
+    assert [access.lease.terms.speed(seat) for seat in ("ben", "ana", "")] == [0.5, 0, 0]
     assert standing(access, 40).lease == 0
     access.lease.give_back(BEN)
-    assert access.lease.speed("ben") == 0
+    assert access.lease.terms.speed("ben") == 0
 
 
 def test_the_speed_of_a_turn_outlives_the_lease_that_another_program_of_the_seat_gives_back(
@@ -181,23 +181,23 @@ def test_the_speed_of_a_turn_outlives_the_lease_that_another_program_of_the_seat
     terms = Terms(longest_s=90, speed=0.7)
     take(access, ANA, 0, terms=terms)
     access.lease.give_back(ANA_AGAIN)
-    assert (standing(access, 1).lease, access.lease.speed("ana")) == (0, 0.7)
+    assert (standing(access, 1).lease, access.lease.terms.speed("ana")) == (0, 0.7)
     take(access, ANA_AGAIN, 2, terms=Terms(longest_s=3600, speed=1.5))
-    assert (standing(access, 2).turn_s, access.lease.speed("ana")) == (90, 0.7), "the stricter of both"
+    assert (standing(access, 2).turn_s, access.lease.terms.speed("ana")) == (90, 0.7), "the stricter of both"
     access.lease.give_back(ANA_AGAIN)
     access.lease.give_back(ANA)
-    assert access.lease.speed("ana") == 0
+    assert access.lease.terms.speed("ana") == 0
 
 
 def test_the_speed_of_a_turn_ends_with_its_session_and_with_the_turn_of_another_seat(access: Access) -> None:
     take(access, ANA, 0, terms=Terms(speed=0.7))
     access.session_changed(ANA, 1, alive=False)
     access.give_up_sessions(2)
-    assert access.lease.speed("ana") == 0
+    assert access.lease.terms.speed("ana") == 0
     take(access, ANA_AGAIN, 3, terms=Terms(speed=0.7))
     access.lease.give_back(ANA)
     take(access, BEN, 4)
-    assert access.lease.speed("ana") == 0
+    assert access.lease.terms.speed("ana") == 0
 
 
 def test_a_lost_router_stops_the_clock(access: Access) -> None:

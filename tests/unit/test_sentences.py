@@ -99,10 +99,8 @@ REFUSALS: list[BeatrixError] = [
     refusals.bad_field("gait", known=["speed", "yaw"]),
     Refused(Reason.BAD_VALUE, detail=Detail(field="beatrix/**", known=["beatrix/bea/sim/cmd/me/motion"])),
     Refused(Reason.TIMED_OUT, detail=Detail(limit=Limit.DURATION, value=121.0, high=60.0, unit="s")),
-    refusals.too_far((0.0, 1001.0, 1.0), 1000.0, at_goal=False),
-    refusals.too_far((0.0, 50.0, 1.0), 49.2, at_goal=True),
+    refusals.too_far((0.0, 50.0, 1.0), 49.2),
     refusals.too_far_for_any_pose((0.0, -7.0, 1.0), 6.3),
-    refusals.impossible_speed((0.0, -70.0, 1.0), 15.7),
     Refused(
         Reason.BAD_VALUE,
         detail=Detail(limit=Limit.TILT, value=RAD(35), high=RAD(29), unit="rad", field="tilt_max"),

@@ -39,11 +39,12 @@ def test_blocks_are_heard_in_order_and_each_other_is_counted_as_lost_duplicated_
 ) -> None:
     order = BlockOrder()
     kept = [number for i, number in enumerate(arrived) if order.accept(block(number), i * BLOCK_NS)]
-    assert kept == [number for i, number in enumerate(arrived) if number > max(arrived[:i], default=0)]
+    newest = [max(arrived[:i], default=0) for i in range(len(arrived))]
+    assert kept == [number for number, before in zip(arrived, newest, strict=True) if number > before]
     assert order.faults == Faults(
         lost=kept[-1] - kept[0] + 1 - len(kept),
-        duplicated=len(arrived) - len({*arrived}),
-        late=len({*arrived}) - len(kept),
+        duplicated=sum(number == before for number, before in zip(arrived, newest, strict=True)),
+        late=sum(number < before for number, before in zip(arrived, newest, strict=True)),
     )
 
 

@@ -27,12 +27,10 @@ from hw_node.body import VirtualHardware
 class Unconnected:
     """Sessions of a node that no client can reach."""
 
-    class Control:
-        endpoint = "tcp/127.0.0.1:1"
-
-    control = Control()
+    endpoint = "tcp/127.0.0.1:1"
 
     def __init__(self) -> None:
+        self.control = self
         self.queries: dict[str, Callable[[Incoming], None]] = {}
         self.puts: dict[str, Callable[[Received], None]] = {}
 
@@ -153,7 +151,7 @@ def test_a_put_after_the_query_of_its_press_does_not_stop_the_next_motion(
     assert len(pressed) == 1
     put = stage.network.puts["beatrix/bea/hw/stop/*"]
     for press, presses in ((b"press 1", 1), (b"press 2", 2), (b"", 3), (None, 4)):
-        put(Received(key, b"", "ana", press))
+        put(Received(key, b"", "ana", press, 0, 0))
         assert len(pressed) == presses, press
 
 

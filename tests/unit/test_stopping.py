@@ -77,7 +77,7 @@ class Network:
         tail = end.split("/", 3)[3]
         return Asked(
             [
-                Reply(f"beatrix/{robot}/{side}/{tail}", codec.encode(reply), codec.MSGPACK, error=False)
+                Reply(f"beatrix/{robot}/{side}/{tail}", codec.encode(reply))
                 for (robot, side), reply in self.replies.items()
             ]
         )

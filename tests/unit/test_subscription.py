@@ -26,6 +26,10 @@ KEY = keys.status("bea", "hw")
 M = TypeVar("M", bound=msgspec.Struct)
 
 
+def sent(payload: bytes, key: str = KEY) -> Received:
+    return Received(key, payload, "", None, 1, 2)
+
+
 class FakeBus:
     """A bus on which the test publishes."""
 
@@ -39,7 +43,7 @@ class FakeBus:
 
     def publish(self, payload: bytes, key: str = KEY) -> None:
         for handle in self.subscribers:
-            handle(Received(key, payload, "", None))
+            handle(sent(payload, key))
 
 
 class FakeClient:
@@ -109,7 +113,7 @@ def test_close_ends_an_iteration_in_another_thread(client: FakeClient) -> None:
     assert (read, reader.is_alive(), client.bus.subscribers) == (["a"], False, [])
     with pytest.raises(NoAnswer, match="closed by this program"):
         subscription.next()
-    subscription._receive(Received(KEY, status("late"), "", None))
+    subscription._receive(sent(status("late")))
     assert subscription.take() == []
 
 
@@ -118,13 +122,14 @@ def event(seq: int, t_mono_ns: int = 0) -> Event:
 
 
 def test_earlier_and_new_events_are_merged(client: FakeClient) -> None:
-    log = EventLog(cast("Client", client), keys.events("bea", "hw"), 3)
-    log.put(codec.encode(event(3)))
-    log.put_past(codec.encode(Events(events=[event(1), event(2), event(3)])))
-    log.put(b"garbage")
-    log.put(codec.encode(event(4)))
+    log = EventLog(cast("Client", client), 3)
+    log.put(sent(codec.encode(event(3))))
+    past = codec.encode(Events(events=[event(1), event(2), event(3)]))
+    log.put_past(Reply(KEY, past))
+    log.put(sent(b"garbage"))
+    log.put(sent(codec.encode(event(4))))
     assert [found.seq for found in log.read()] == [2, 3, 4]
-    log.put(codec.encode(event(1, t_mono_ns=5)))  # the node was restarted
+    log.put(sent(codec.encode(event(1, t_mono_ns=5))))  # the node was restarted
     assert [found.seq for found in log.read()] == [3, 4, 1]
 
 
@@ -135,7 +140,7 @@ def test_the_presence_of_a_robot_follows_its_token_and_positions(
     assert record.state().presence is Presence.ABSENT
     record.alive = True
     assert record.state().presence is Presence.SILENT
-    record.positions.put(b"")
+    record.positions.put(sent(b""))
     assert record.state().presence is Presence.ONLINE
     monkeypatch.setattr("beatrix_zenoh.client.monitor.LOST_S", -1.0)
     state = record.state()

@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from typing import Final
 
-from beatrix_zenoh.contract.rows import KeyRow, parser, stream
+from beatrix_zenoh.contract.rows import KeyRow, media, parser, stream
 
 motion = KeyRow("beatrix/{robot}/{side}/cmd/{who}/motion", "MotionQuery", "MotionReply", "motion")
 pose = KeyRow("beatrix/{robot}/{side}/cmd/{who}/pose", "PoseQuery", "MotionReply", "motion")
@@ -38,24 +38,9 @@ status = stream("beatrix/{robot}/{side}/state/status", "Status", priority="inter
 status_json = stream("beatrix/{robot}/{side}/state/status/json", "Status", rate_hz=1)
 events = stream("beatrix/{robot}/{side}/state/events", "Event", reply="Events")
 events_json = stream("beatrix/{robot}/{side}/state/events/json", "Event", reply="Events")
-camera = KeyRow(
-    "beatrix/{robot}/{side}/state/camera/{eye}",
-    "JPEG, with FrameHeader as attachment",
-    "",
-    "media",
-    "data_low",
-    kind="publication",
-    publish="media",
-)
-microphones = KeyRow(
-    "beatrix/{robot}/{side}/state/microphones",
-    "int16 samples, with SoundHeader as attachment",
-    "",
-    "media",
-    "data_low",
-    kind="publication",
-    publish="media",
-    rate_hz=50,
+camera = media("beatrix/{robot}/{side}/state/camera/{eye}", "JPEG, with FrameHeader as attachment")
+microphones = media(
+    "beatrix/{robot}/{side}/state/microphones", "int16 samples, with SoundHeader as attachment", rate_hz=50
 )
 target = KeyRow("beatrix/{robot}/sim/scene/target", "TargetQuery", "TargetReply", "queries")
 sound = KeyRow("beatrix/{robot}/sim/scene/sound", "SoundQuery", "SoundReply", "queries")
@@ -68,14 +53,7 @@ seat = KeyRow("beatrix/@seat/{who}/{session}", "", "", "control", kind="token")
 seats_router = KeyRow("beatrix/@router/{session}", "", "", "control", kind="token")
 program = KeyRow("beatrix/@program/{who}/{session}", "", "ProgramInfo", "queries")
 note = KeyRow("beatrix/@note/{who}/{session}", "NoteQuery", "NoteReply", "queries")
-lesson = KeyRow(
-    "beatrix/@lesson/{who}/{lesson}",
-    "LessonState",
-    "LessonState",
-    "queries",
-    kind="publication and query",
-    publish="queries",
-)
+lesson = stream("beatrix/@lesson/{who}/{lesson}", "LessonState", publish="queries")
 pending = KeyRow("beatrix/@pending/{robot}/{side}", "LeaseQuery", "LeaseReply", "queries", "interactive_high")
 
 KEYS: Final = {name: row for name, row in vars().items() if isinstance(row, KeyRow)}

@@ -464,7 +464,7 @@ class ErrorReply(Struct, frozen=True, kw_only=True):
     reason: Reason
     """BAD_VALUE"""
     message: Text
-    """the reason as a sentence, with the most similar keys"""
+    """the reason as a sentence"""
     detail: Detail
     """`field`: the key of the query; `known`: the robot's keys that can be queried"""
 

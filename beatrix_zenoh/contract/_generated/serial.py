@@ -188,7 +188,6 @@ class MoveStraight(Frame, frozen=True):
 class HelloReply(Frame, frozen=True):
     """Answer to HELLO."""
 
-    kind: ClassVar[FrameType] = FrameType.HELLO_REPLY
     layout = struct.Struct("<I3BI32s")
     counts = (1, 3, 1, 1)
     contract: int
@@ -204,7 +203,6 @@ class HelloReply(Frame, frozen=True):
 class Telemetry(Frame, frozen=True):
     """Sent without a request while there is a host, every telemetry_period and at once on a change. The firmware delays it while it receives a frame, so that the answer to that frame goes first, but not for longer than telemetry_patience after its period. Answers also go first when the line is busy. seq counts the TELEMETRY frames."""
 
-    kind: ClassVar[FrameType] = FrameType.TELEMETRY
     layout = struct.Struct("<HBBBH3h3hHB")
     counts = (1, 1, 1, 1, 1, 3, 3, 1, 1)
     tick: int
@@ -230,7 +228,6 @@ class Telemetry(Frame, frozen=True):
 class Text(Frame, frozen=True):
     """One line of the answer to a line of text. seq counts TEXT and TEXT_WARNING together."""
 
-    kind: ClassVar[FrameType] = FrameType.TEXT
     layout = struct.Struct("<B")
     counts = (1,)
     flags: int
@@ -242,7 +239,6 @@ class Text(Frame, frozen=True):
 class TextWarning(Frame, frozen=True):
     """A warning for which the protocol of 2023 has no message. Equal warnings in quick succession are sent as one."""
 
-    kind: ClassVar[FrameType] = FrameType.TEXT_WARNING
     layout = struct.Struct("<B")
     counts = (1,)
     code: int

@@ -115,7 +115,6 @@ _CASES: dict[tuple[Reason, Limit | None], Callable[[Detail], str]] = {
     (Reason.ARM_GAP, Limit.ARM_GAP): _pose_case,
     (Reason.YAW_LIMIT, Limit.YAW): _pose_case,
     (Reason.SPEED_LIMIT, Limit.SPEED): _speed_case,
-    (Reason.BAD_VALUE, Limit.TRAVEL): lambda detail: "goal" if detail.at_goal else "start",
     (Reason.BAD_VALUE, None): _field_case,
     (Reason.UNKNOWN_COMMAND, None): lambda detail: "word" if detail.field else "number",
     (Reason.NOT_ENABLED, None): _needs_case,

@@ -148,7 +148,7 @@ class MotionLimits:
 
         start, velocity: present set point (rad) and velocity (rad/s) of the arms. target: rad. speed (rad/s), straight:
         as for `trajectory.plan`. A motion may start beyond a limit if it leads back.
-        Raises Refused: BAD_VALUE, SPEED_LIMIT, ARM_GAP, YAW_LIMIT, OUT_OF_REACH.
+        Raises Refused: BAD_VALUE, NOT_CALIBRATED, SPEED_LIMIT, ARM_GAP, YAW_LIMIT, OUT_OF_REACH.
         """
         self.check_speed(speed)
         self._check_start(start, velocity)
@@ -157,7 +157,7 @@ class MotionLimits:
         if self._too_far(target, start):
             raise self._too_far_refusal(motion)
         if self._beyond_counter(target):
-            raise refusals.too_far(target, self._count_max, at_goal=True)
+            raise refusals.too_far(target, self._count_max)
         trajectory = motion.trajectory(self.acceleration)
         try:
             violation = self._checker.first_violation(trajectory)
@@ -172,7 +172,7 @@ class MotionLimits:
         if self._too_far(motion.target, motion.start) or self._beyond_counter(motion.target):
             return False
         speed = self._gear.quarters_to_speed(self._gear.speed_to_quarters(motion.speed))
-        trajectory = motion.at_speed(speed).trajectory(self.acceleration)
+        trajectory = replace(motion, speed=speed).trajectory(self.acceleration)
         try:
             return self._checker.first_violation(trajectory) is None
         except BeatrixError:
@@ -203,11 +203,9 @@ class MotionLimits:
             raise refusals.bad_field("position", "Every angle of an arm must be a finite number.")
 
     def _check_start(self, start: Arms, velocity: Arms) -> None:
-        fastest = self.speed_max * _FASTEST_START
-        if not _within(start, _FURTHEST_START):
-            raise refusals.too_far(start, _FURTHEST_START, at_goal=False)
-        if not _within(velocity, fastest):
-            raise refusals.impossible_speed(velocity, fastest)
+        """Raise Refused (NOT_CALIBRATED) for positions and velocities that are an error of the board."""
+        if not (_within(start, _FURTHEST_START) and _within(velocity, self.speed_max * _FASTEST_START)):
+            raise refusals.not_calibrated()
 
 
 def _within(values: Arms, bound: float) -> bool:

@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable
 from typing import Final
 
+from msgspec.structs import replace
+
 from beatrix_zenoh.contract._generated.messages import Alternative, Detail, Head, Limit, Reason, Vector3
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.motion.gear import Arms
@@ -75,7 +77,7 @@ class RefusalBuilder:
             return None
 
         def motion_to(head: Arms) -> PlannedMotion:
-            return motion.to(self._neck.inverse(*head))
+            return replace(motion, target=self._neck.inverse(*head))
 
         goal = nearest_pose(pose, self._bounds.tilt_max, self._bounds.yaw_max)
         head = furthest(start, goal, lambda head: self._accepts(motion_to(head)))
@@ -87,7 +89,7 @@ class RefusalBuilder:
 
     def for_arms(self, goal: Arms, motion: PlannedMotion) -> Alternative | None:
         """Return the accepted position of the arms found furthest towards `goal` (rad), None if there is none."""
-        arms = furthest(motion.start, goal, lambda arms: self._accepts(motion.to(arms)))
+        arms = furthest(motion.start, goal, lambda arms: self._accepts(replace(motion, target=arms)))
         return None if arms is None else Alternative(arms=Vector3(*arms))
 
     def _exceeded_limit(self, violation: Violation, motion: PlannedMotion) -> tuple[int, bool]:
@@ -117,7 +119,7 @@ class RefusalBuilder:
         """Return speeds (rad/s) in proportion to the paths of the arms; None if the motion still leaves the limits."""
         x, y, z = (typed_speed(speed, self._slowest, math.inf) for speed in motion.proportional_speed())
         speed = in_single((x, y, z))
-        return speed if self._accepts(motion.at_speed(speed)) else None
+        return speed if self._accepts(replace(motion, speed=speed)) else None
 
     def _refused(
         self,

@@ -9,10 +9,9 @@ from collections.abc import Callable
 from typing import Final
 
 from beatrix_zenoh.client.motion import Motion
-from beatrix_zenoh.client.plan import Plan
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.stopping import publish_stop
-from beatrix_zenoh.client.twin import Twin
+from beatrix_zenoh.client.twin import Plan, Twin
 from beatrix_zenoh.client.twin_motion import TwinMotion
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused

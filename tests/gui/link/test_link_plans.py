@@ -11,7 +11,7 @@ from robots import Stage
 
 from beatrix_zenoh.client.choreography import ArmPose
 from beatrix_zenoh.client.degrees import pose_query
-from beatrix_zenoh.client.plan import Plan
+from beatrix_zenoh.client.twin import Plan
 from beatrix_zenoh.contract._generated.messages import Reason, Steps
 from beatrix_zenoh.contract.errors import Refused
 from gui.console.link import request
