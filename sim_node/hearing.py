@@ -4,7 +4,8 @@ Ears hear delay, distance, head shadow, noise, and the stepper motors, but no ro
 blocks of sound; only `simulated_microphones` have a thread, which publishes them while a client subscribes.
 
 The delay of a block changes linearly from its first to its last frame, and a block begins where the last one ended, so
-that nothing clicks while head or source move. Sound between two samples is computed with a windowed sinc.
+that nothing clicks while head or source move. Each sound is stored with FINER times as many samples, so that straight
+lines between them are exact enough for the places that the ears hear.
 """
 
 from __future__ import annotations
@@ -17,14 +18,13 @@ from typing import Final
 
 import numpy as np
 import numpy.typing as npt
-from numpy.lib.stride_tricks import as_strided
 
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES, RobotData
 from beatrix_zenoh.motion.gear import Arms, Gear
 from beatrix_zenoh.motion.rotation import Rotation
-from beatrix_zenoh.node import Component, Node, SensorFrame, microphones_publisher, sound_block
-from beatrix_zenoh.node.sensors import BLOCK, RATE, TITLE, BlockClock, Sensor, to_pcm
+from beatrix_zenoh.node import Component, Node, microphones_publisher
+from beatrix_zenoh.node.sensors import BLOCK, BLOCK_NS, RATE, TITLE, Sensor, TimedSound, to_pcm
 from sim_node.shapes import Point, Vector
 
 LOUDNESS: Final = 0.05
@@ -33,7 +33,27 @@ FADE: Final = 240
 """Frames (5 ms) over which a sound begins and ends, so that it does not click."""
 SEED: Final = 1
 
+SHADOW: Final = 0.85
+"""Largest part of the high frequencies that the head takes away: from the ear on the far side, 16 dB."""
+SHADOW_HZ: Final = 2000.0
+"""Corner frequency of the head shadow."""
+FINER: Final = 8
+"""Stored samples for each one of a sound."""
+
 Samples = npt.NDArray[np.float32]
+
+
+def finer(samples: Samples) -> Samples:
+    """Return a sound that is repeated without end with FINER times as many samples, shape (2, n): clear, and in the shadow.
+
+    The shadow is a one-pole low-pass, forwards and backwards: it has no delay, which would move the source.
+    """
+    spectrum = np.fft.rfft(samples)
+    pole = math.exp(-math.tau * SHADOW_HZ / RATE)
+    turn = np.exp(-1j * math.tau * np.arange(len(spectrum)) / len(samples))
+    shadow = ((1 - pole) / np.abs(1 - pole * turn)) ** 2
+    found = np.fft.irfft([spectrum, spectrum * shadow], FINER * len(samples)) * FINER
+    return found.astype(np.float32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,17 +65,23 @@ class PlayingSound:
     """time of its first sample, by the monotonic clock"""
     seconds: float
     samples: Samples = field(repr=False)
+    """those of `finer`"""
 
     def left_s(self, now_s: float) -> float:
         """Return how much longer it plays (s)."""
         return max(0.0, self.began_s + self.seconds - now_s)
 
-    def emitted(self, first: int, count: int) -> Samples:
-        """Return `count` samples from number `first` on; zeros before the sound begins and after its end."""
-        total = round(self.seconds * RATE)
-        numbers = np.arange(first, first + count)
-        fade: Samples = np.clip(np.minimum(numbers + 1, total - numbers) / FADE, 0.0, 1.0).astype(np.float32)
-        return self.samples.take(numbers, mode="wrap") * fade
+    def emitted(self, numbers: Vector) -> Vector:
+        """Return the samples of these numbers, which may be fractions, shape (2, n): clear, and in the head's shadow.
+
+        They are 0 before the sound begins and after its end.
+        """
+        fade = np.clip(np.minimum(numbers + 1, self.seconds * RATE - numbers) / FADE, 0.0, 1.0)
+        places = numbers * FINER
+        first = np.floor(places).astype(np.int64)
+        one, other = (self.samples.take(first + after, axis=1, mode="wrap") for after in (0, 1))
+        found: Vector = (one + (places - first) * (other - one)) * fade
+        return found
 
 
 def _noise(length: int, low_hz: float, high_hz: float, seed: int = SEED) -> Vector:
@@ -106,10 +132,9 @@ GENERATORS: Final[dict[str, Callable[[], Vector]]] = {"clap": clap, "voice": voi
 
 @cache
 def generated(name: str) -> Samples:
-    """Return the samples of a sound; the first time takes some ms."""
-    samples = GENERATORS[name]().astype(np.float32)
-    loud = LOUDNESS if name == "clap" else LOUDNESS / float(samples.std())
-    return loud * samples
+    """Return the samples of a sound, as `finer` does; the first time takes some ms."""
+    samples = GENERATORS[name]()
+    return finer(samples * (LOUDNESS if name == "clap" else LOUDNESS / samples.std()))
 
 
 SOUND: Final = 343.0
@@ -118,10 +143,6 @@ NEAREST: Final = 0.1
 """Distance (m) below which a source becomes no louder."""
 NOISE: Final = 0.001
 """Root mean square of the noise of a microphone; independent in both ears."""
-SHADOW: Final = 0.85
-"""Largest part of the high frequencies that the head takes away: from the ear on the far side, 16 dB."""
-SHADOW_HZ: Final = 2000.0
-"""Corner frequency of the head shadow."""
 MOTOR: Final = 0.008
 """Amplitude of the sound of a motor at MOTOR_HZ; both ears hear it equally, because the motors are below the neck."""
 MOTOR_HZ: Final = 350.0
@@ -130,31 +151,6 @@ STILL_HZ: Final = 10.0
 """Below this many microsteps per second an arm only settles: its motor makes no steps."""
 SILENT: Final[Arms] = (0.0, 0.0, 0.0)
 HARMONICS: Final = 6
-TAPS: Final = 16
-PHASES: Final = 512
-BEFORE: Final = TAPS // 2 - 1
-"""Samples of the kernel before the frame that it computes."""
-_REACH: Final = 20
-"""Frames over which the kernel of the head shadow extends to either side."""
-
-Signal = Callable[[int, int], Samples]
-"""Samples of a source: number of the first one, and how many; emitted at RATE, number 0 at the start of the sound."""
-
-
-def _sincs() -> npt.NDArray[np.float32]:
-    """Return the kernels for PHASES + 1 delays between two samples, shape (PHASES + 1, TAPS), each of sum 1."""
-    at = np.arange(TAPS) - BEFORE - np.linspace(0, 1, PHASES + 1)[:, None]
-    kernels: Vector = np.sinc(at) * np.cos(np.pi * at / (TAPS + 1)) ** 2
-    kernels /= kernels.sum(axis=1, keepdims=True)
-    return kernels.astype(np.float32)
-
-
-def _shadow() -> Samples:
-    """Return a one-pole low-pass, forwards and backwards: it has no delay of its own, which would move the source."""
-    pole = math.exp(-math.tau * SHADOW_HZ / RATE)
-    kernel: Vector = pole ** np.abs(np.arange(-_REACH, _REACH + 1))
-    kernel /= kernel.sum()
-    return kernel.astype(np.float32)
 
 
 def _stepper() -> Vector:
@@ -165,9 +161,7 @@ def _stepper() -> Vector:
 
 
 NUMBERS: Final = np.arange(BLOCK, dtype=np.float64)
-SINCS: Final = _sincs()
 STEPPER: Final = _stepper()
-SHADE: Final = _shadow()
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,19 +217,18 @@ class Ears:
         """Forget where the last block ended, after a pause."""
         self._last, self._rates = None, SILENT
 
-    def block(self, now: Hearing, signal: Signal | None, began: float) -> Samples:
+    def block(self, now: Hearing, sound: PlayingSound | None, begin_s: float) -> Samples:
         """Return the next BLOCK frames, shape (BLOCK, 2), which end with `now`.
 
-        `signal` is the sound of the source, None for silence; `began` is the number of the sample (may be a fraction)
-        that the source emits at the first frame.
+        `sound` is that of the source, None for silence; `begin_s` is the time of the first frame, by the monotonic clock.
         """
         last, self._last = self._last or now, now
         heard = self._random.standard_normal((2, BLOCK), dtype=np.float32)
         heard *= self._noise
-        if signal is not None:
+        if sound is not None:
             ways = zip(last.distances(), now.distances(), last.shadows(), now.shadows(), strict=True)
             for ear, (far, away, shade, shadow) in enumerate(ways):
-                heard[ear] += heard_by(signal, began, (far, away), (shade, shadow))
+                heard[ear] += heard_by(sound, begin_s, (far, away), (shade, shadow))
         before, self._rates = self._rates, self._step_rates(last.arms, now.arms)
         if before != SILENT or self._rates != SILENT:
             heard += self._motors(np.array(before), np.array(self._rates))
@@ -261,61 +254,33 @@ class Ears:
 
 
 def heard_by(
-    signal: Signal, began: float, distances: tuple[float, float], shadows: tuple[float, float]
-) -> Samples:
+    sound: PlayingSound, begin_s: float, distances: tuple[float, float], shadows: tuple[float, float]
+) -> Vector:
     """Return what one ear hears in a block; distances (m) and shadows are those at its begin and its end."""
-    away = distances[0] + (distances[1] - distances[0]) * NUMBERS / BLOCK
-    places = began + NUMBERS - away * (RATE / SOUND)
-    floor = np.floor(places)
-    whole = floor.astype(np.int64)
-    first, last = int(whole.min()) - BEFORE, int(whole.max()) + TAPS - BEFORE
-    emitted = signal(first - _REACH, last - first + 2 * _REACH)
-    clear = emitted[_REACH:-_REACH]
-    strength = np.linspace(shadows[0], shadows[1], len(clear), dtype=np.float32)
-    mixed = clear + strength * (np.convolve(emitted, SHADE, "valid") - clear)
-    windows = as_strided(mixed, (len(mixed) - TAPS + 1, TAPS), mixed.strides * 2)
-    rows = windows.take(whole - (first + BEFORE), axis=0)
-    kernels = SINCS.take(((places - floor) * PHASES + 0.5).astype(np.int64), axis=0)
-    heard: Samples = (np.einsum("ij,ij->i", rows, kernels) / np.maximum(away, NEAREST)).astype(np.float32)
+    away, shadow = (first + (last - first) * NUMBERS / BLOCK for first, last in (distances, shadows))
+    clear, shaded = sound.emitted((begin_s - sound.began_s - away / SOUND) * RATE + NUMBERS)
+    heard: Vector = (clear + shadow * (shaded - clear)) / np.maximum(away, NEAREST)
     return heard
 
 
-class SimulatedSound:
-    """What both ears hear, as a `SensorSource`."""
+class SimulatedSound(TimedSound):
+    """What both ears hear."""
 
-    name: Final = "simulation"
+    name = "simulation"
 
     def __init__(
         self, robot: RobotData, hearing: Callable[[], Hearing], playing: Callable[[], PlayingSound | None]
     ) -> None:
+        super().__init__()
         self._hearing, self._playing = hearing, playing
-        self._ears, self._clock = Ears(robot), BlockClock()
+        self._ears, self._due_ns = Ears(robot), 0
 
-    def trouble(self) -> str:
-        """Return an empty text: simulated ears are always present."""
-        return ""
-
-    def open(self) -> None:
-        """Restart the clock and the echo."""
-        self._clock.restart()
-        self._ears.restart()
-
-    def next(self, timeout_s: float) -> SensorFrame | None:
-        """Wait for the next block and return it; None if it is complete after `timeout_s`."""
-        dropped = self._clock.dropped
-        begin_ns = self._clock.wait(timeout_s)
-        if begin_ns is None:
-            return None
-        if self._clock.dropped != dropped:
+    def pcm(self, begin_ns: int) -> bytes:
+        """Return what is heard in the block that began at this time."""
+        if begin_ns != self._due_ns:
             self._ears.restart()
-        sound = self._playing()
-        began = 0.0 if sound is None else (begin_ns / 1e9 - sound.began_s) * RATE
-        signal = None if sound is None else sound.emitted
-        pcm = to_pcm(self._ears.block(self._hearing(), signal, began))
-        return sound_block(pcm, begin_ns, self.name, self._clock.dropped)
-
-    def close(self) -> None:
-        """Do nothing: there are no resources to free."""
+        self._due_ns = begin_ns + BLOCK_NS
+        return to_pcm(self._ears.block(self._hearing(), self._playing(), begin_ns / 1e9))
 
 
 def simulated_microphones(

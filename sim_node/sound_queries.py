@@ -16,7 +16,7 @@ from beatrix_zenoh.contract.errors import BeatrixError, Refused, quoted
 from beatrix_zenoh.contract.refusals import bad_field
 from beatrix_zenoh.node import QueryThread
 from beatrix_zenoh.node.sensors import FULL_SCALE, RATE
-from sim_node.hearing import GENERATORS, PlayingSound, Samples, generated
+from sim_node.hearing import GENERATORS, PlayingSound, Samples, finer, generated
 from sim_node.shapes import Point
 from sim_node.target import BOUNDS, check_room, refused, told
 
@@ -88,7 +88,7 @@ class SoundSource:
             if samples is None:
                 text = f"Sound of your own is the attachment of the query: int16, mono, {RATE} Hz, at most {SAMPLES_MAX_S:g} s."
                 raise bad_field("play", text)
-            seconds = query.seconds or len(samples) / RATE
+            seconds, samples = query.seconds or len(samples) / RATE, finer(samples)
         else:
             samples = generated(query.play)
         return PlayingSound(query.play, self._clock_s(), seconds, samples)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.node import SensorFrame, picture
+from beatrix_zenoh.node.sensors import SensorSource
 from hw_node.cameras import jpeg
 from hw_node.cameras.jpeg import HEIGHT, HZ, WIDTH
 
@@ -53,10 +54,10 @@ def library() -> ModuleType:
     return module
 
 
-class OpenCvCamera:
+class OpenCvCamera(SensorSource):
     """A USB camera; all calls come from one thread, as Windows requires, and may block it while a driver hangs."""
 
-    name: Final = "opencv"
+    name = "opencv"
 
     def __init__(self, device: str, opencv: ModuleType) -> None:
         """`device`: a path or a number."""

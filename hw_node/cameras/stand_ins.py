@@ -16,6 +16,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.lettering import cells
 from beatrix_zenoh.node import SensorFrame, picture
+from beatrix_zenoh.node.sensors import SensorSource
 from hw_node.cameras import jpeg
 from hw_node.cameras.jpeg import HEIGHT, HZ, WIDTH
 
@@ -34,15 +35,10 @@ BARS: Final = np.array([(k & 2, k & 4, k & 1) for k in (7, 6, 5, 4, 3, 2, 1)], b
 """Colours of the bars above, from white to blue; the right eye has them in reverse order."""
 
 
-class TimedPictures:
+class TimedPictures(SensorSource):
     """A source that makes pictures at a constant rate."""
 
-    name: str
     _due_s, _period_s = 0.0, 1 / HZ
-
-    def trouble(self) -> str:
-        """Return an empty text: the pictures are always there."""
-        return ""
 
     def open(self) -> None:
         """Begin with the first picture now."""
@@ -61,9 +57,6 @@ class TimedPictures:
     @abstractmethod
     def picture(self, t_mono_ns: int) -> SensorFrame:
         """Return the picture of this time; raises NoAnswer if there is none."""
-
-    def close(self) -> None:
-        """Free what the pictures need."""
 
 
 class Pattern(TimedPictures):

@@ -20,7 +20,7 @@ from hw_node.cameras.camera import camera_sensor
 PICTURE = b"\xff\xd8" + bytes(40_000)
 
 
-class FakeSource:
+class FakeSource(sensors.SensorSource):
     """A camera source that the test controls."""
 
     name = "test"

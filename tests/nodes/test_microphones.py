@@ -17,16 +17,13 @@ from hw_node.body import VirtualHardware
 from hw_node.microphones import microphone_sensor
 
 
-class FakeDevice:
+class FakeDevice(sensors.SensorSource):
     """Microphones whose blocks come every 20 ms."""
 
     name = "device"
 
     def __init__(self) -> None:
         self.opened = self.closed = 0
-
-    def trouble(self) -> str:
-        return ""
 
     def open(self) -> None:
         self.opened += 1

@@ -17,6 +17,7 @@ from beatrix_zenoh.client.sound import ANEW_NS, BlockOrder, Faults, Sound, joine
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated.messages import Reason, SoundQuery, SoundReply
 from beatrix_zenoh.node.sensors import BLOCK, BLOCK_NS, RATE, to_pcm
+from sim_node.hearing import FINER
 from sim_node.shapes import Point
 from sim_node.sound_queries import MOUTH_BELOW_EYES, SoundSource, reply
 
@@ -270,7 +271,7 @@ def test_samples_are_heard_as_they_were_sent() -> None:
     room.ask("play=samples", sent.tobytes())
     playing = room.source.playing()
     assert playing is not None
-    assert (playing.samples * 32768 == sent).all()
+    assert playing.samples[0, ::FINER] * 32768 == pytest.approx(sent, abs=1)
 
 
 @given(st.binary(max_size=60), st.sampled_from(["", codec.MSGPACK]), st.binary(max_size=9))
