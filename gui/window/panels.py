@@ -145,8 +145,6 @@ class Panels(QWidget):
         for notice in (self.refusal, self.stop_bar):
             notice.intent.connect(self.intent)
         self.header.keys_asked.connect(self.key_sheet.toggle)
-        self.history.row_chosen.connect(self.code.choose)
-        self.code.row_chosen.connect(self.history.choose)
         self.tabs.currentChanged.connect(self._report_tab)
 
     def _report_tab(self, number: int) -> None:

@@ -22,7 +22,7 @@ def test_the_code_of_a_session_repeats_its_motions(user: Windowed, sim: Robot) -
         user.until_last("done")
     goal = sim.positions().commanded
     sim.home()
-    program = user.state.view(user.window._world).code.text
+    program = user.state.view(user.window._world).code
     environment = os.environ | {"BEATRIX_WHO": "ana"}
     subprocess.run([sys.executable, "-c", program], check=True, env=environment, timeout=PROGRAM_S)
     assert near(sim.positions().arms, tuple(goal))
