@@ -51,7 +51,7 @@ class RequestRow:
 
     request: Request
     control: str
-    """the control of the request, as in `RefusalView`"""
+    """the control of the request: `head`, `short`, `middle`, `long`, `all` or `commands`"""
     began_s: float
     """wall clock, since 1970; 0: unknown"""
     before: Mapping[str, ArmAngles]

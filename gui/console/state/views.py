@@ -87,10 +87,8 @@ class BannerView:
 
 @dataclass(frozen=True)
 class RefusalView:
-    """A refusal, shown beside the control of the request."""
+    """A refusal, shown over the picture of the head."""
 
-    control: str
-    """`head`, `short`, `middle`, `long`, `all` or `commands`"""
     text: str
     alternative: ButtonView | None = None
 
