@@ -117,7 +117,7 @@ class OpenCvCamera(SensorSource):
             encoded = simplejpeg.encode_jpeg(pixels, QUALITY, colorspace="BGR", colorsubsampling="420")
         else:
             encoded = jpeg.complete(pixels.tobytes())
-            width, height = jpeg.size(encoded)
+            height, width, *_ = simplejpeg.decode_jpeg_header(encoded)
         self._delivered = True
         exposed_ns = round(self._capture.get(self._opencv.CAP_PROP_POS_MSEC) * 1e6)
         t_mono_ns = exposed_ns if now_ns - AGE_NS < exposed_ns < now_ns else now_ns
