@@ -26,11 +26,11 @@ class Segment(NamedTuple):
     end: int
 
 
-def segments(picture: bytes, at: int = 0) -> Iterator[Segment]:
-    """Yield the header segments of the picture at `at`, up to its data; raises ValueError if the header is invalid."""
-    if picture[at : at + 2] != SOI:
+def segments(picture: bytes) -> Iterator[Segment]:
+    """Yield the header segments of a picture, up to its data; raises ValueError if the header is invalid."""
+    if not picture.startswith(SOI):
         raise ValueError("it is not a JPEG picture")
-    at += 2
+    at = len(SOI)
     while at + 4 <= len(picture) and picture[at] == 0xFF:
         marker, end = picture[at + 1], at + 2 + int.from_bytes(picture[at + 2 : at + 4], "big")
         if marker == 0xFF:  # a fill byte
