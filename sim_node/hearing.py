@@ -19,13 +19,13 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
+from beatrix_zenoh.body.surface import Floats
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES, RobotData
 from beatrix_zenoh.motion.gear import Arms, Gear
-from beatrix_zenoh.motion.rotation import Rotation
+from beatrix_zenoh.motion.rotation import Rotation, Vector
 from beatrix_zenoh.node import Component, Node, microphones_publisher
 from beatrix_zenoh.node.sensors import BLOCK, BLOCK_NS, RATE, TITLE, Sensor, TimedSound, to_pcm
-from sim_node.shapes import Point, Vector
 
 LOUDNESS: Final = 0.05
 """Root mean square of voice and noise at a distance of 1 m."""
@@ -71,7 +71,7 @@ class PlayingSound:
         """Return how much longer it plays (s)."""
         return max(0.0, self.began_s + self.seconds - now_s)
 
-    def emitted(self, numbers: Vector) -> Vector:
+    def emitted(self, numbers: Floats) -> Floats:
         """Return the samples of these numbers, which may be fractions, shape (2, n): clear, and in the head's shadow.
 
         They are 0 before the sound begins and after its end.
@@ -80,27 +80,27 @@ class PlayingSound:
         places = numbers * FINER
         first = np.floor(places).astype(np.int64)
         one, other = (self.samples.take(first + after, axis=1, mode="wrap") for after in (0, 1))
-        found: Vector = (one + (places - first) * (other - one)) * fade
+        found: Floats = (one + (places - first) * (other - one)) * fade
         return found
 
 
-def _noise(length: int, low_hz: float, high_hz: float, seed: int = SEED) -> Vector:
+def _noise(length: int, low_hz: float, high_hz: float, seed: int = SEED) -> Floats:
     """Return noise between two frequencies that can be repeated without a seam, root mean square 1."""
     random = np.random.default_rng(seed)
     hz = np.fft.rfftfreq(length, 1 / RATE)
     inside = (hz >= low_hz) & (hz <= high_hz)
     spectrum = inside * np.exp(1j * random.uniform(0, math.tau, len(hz)))
-    samples: Vector = np.fft.irfft(spectrum, length)
+    samples: Floats = np.fft.irfft(spectrum, length)
     samples /= samples.std()
     return samples
 
 
-def noise() -> Vector:
+def noise() -> Floats:
     """Return a second of noise from 100 Hz to 12 kHz."""
     return _noise(RATE, 100.0, 12_000.0)
 
 
-def clap() -> Vector:
+def clap() -> Floats:
     """Return a clap, as short as that of two hands, and silence up to one second."""
     samples = _noise(RATE, 400.0, 12_000.0, SEED + 1)
     t_s = np.arange(RATE) / RATE - 0.01
@@ -113,7 +113,7 @@ SYLLABLE_S: Final = 0.5
 PITCH_HZ: Final = 120.0
 
 
-def voice() -> Vector:
+def voice() -> Floats:
     """Return half a second of a voice that says `sa`."""
     length = round(SYLLABLE_S * RATE)
     hiss = _noise(length, 2000.0, 12_000.0, SEED + 2)
@@ -122,12 +122,12 @@ def voice() -> Vector:
     turns = PITCH_HZ * (t_s + 0.03 * np.sin(math.tau * t_s / SYLLABLE_S) / 3)
     opens = np.clip(np.minimum(t_s - 0.08, 0.42 - t_s) / 0.04, 0.0, 1.0)
     hisses = np.clip(np.minimum(t_s, 0.1 - t_s) / 0.02, 0.0, 1.0)
-    vowel: Vector = sum((np.sin(math.tau * k * turns) / k for k in range(1, 34)), start=np.zeros(length))
-    said: Vector = opens * vowel / vowel.std() + (0.2 * hisses + 0.06 * opens) * hiss
+    vowel: Floats = sum((np.sin(math.tau * k * turns) / k for k in range(1, 34)), start=np.zeros(length))
+    said: Floats = opens * vowel / vowel.std() + (0.2 * hisses + 0.06 * opens) * hiss
     return said
 
 
-GENERATORS: Final[dict[str, Callable[[], Vector]]] = {"clap": clap, "voice": voice, "noise": noise}
+GENERATORS: Final[dict[str, Callable[[], Floats]]] = {"clap": clap, "voice": voice, "noise": noise}
 
 
 @cache
@@ -153,10 +153,10 @@ SILENT: Final[Arms] = (0.0, 0.0, 0.0)
 HARMONICS: Final = 6
 
 
-def _stepper() -> Vector:
+def _stepper() -> Floats:
     """Return one period of the tone of a motor, one for each microstep."""
     at = np.arange(1024) / 1024
-    tone: Vector = sum((np.sin(math.tau * k * at) / k for k in range(1, HARMONICS + 1)), start=np.zeros(1024))
+    tone: Floats = sum((np.sin(math.tau * k * at) / k for k in range(1, HARMONICS + 1)), start=np.zeros(1024))
     return tone
 
 
@@ -168,28 +168,28 @@ STEPPER: Final = _stepper()
 class Hearing:
     """Ears, source and arms at one time."""
 
-    ears: Vector
+    ears: Floats
     """places (m) of the left and the right ear, shape (2, 3)"""
-    axis: Vector
+    axis: Floats
     """direction from the right to the left ear, length 1"""
-    source: Point
+    source: Vector
     """place (m) of the source"""
     arms: Arms
     """angles (rad)"""
 
-    def distances(self) -> Vector:
+    def distances(self) -> Floats:
         """Return the distances (m) of the source from the left and the right ear."""
-        away: Vector = np.linalg.norm(self.source - self.ears, axis=1)
+        away: Floats = np.linalg.norm(self.source - self.ears, axis=1)
         return away
 
-    def shadows(self) -> Vector:
+    def shadows(self) -> Floats:
         """Return the strength of the head shadow for both ears: 0 for a source on their side, SHADOW for the other."""
         along = (self.source - self.ears) @ self.axis * (1.0, -1.0)
-        shadows: Vector = SHADOW * ((1 - along / np.maximum(self.distances(), 1e-9)) / 2) ** 2
+        shadows: Floats = SHADOW * ((1 - along / np.maximum(self.distances(), 1e-9)) / 2) ** 2
         return shadows
 
 
-def hearing(head: Rotation, arms: Arms, source: Point, robot: RobotData = ROBOT) -> Hearing:
+def hearing(head: Rotation, arms: Arms, source: Vector, robot: RobotData = ROBOT) -> Hearing:
     """Return ears, source and arms for a head of this orientation (rows of its matrix)."""
     _, axis, up = np.array(head).T
     middle, half = up * robot.head.centre_height, axis * SIZES.ear_baseline / 2
@@ -211,7 +211,7 @@ class Ears:
         self._random = np.random.default_rng(seed)
         self._last: Hearing | None = None
         self._rates = SILENT
-        self._phases: Vector = np.zeros(3)
+        self._phases: Floats = np.zeros(3)
 
     def restart(self) -> None:
         """Forget where the last block ended, after a pause."""
@@ -240,7 +240,7 @@ class Ears:
         x, y, z = (abs(after - before) * scale for after, before in zip(now, last, strict=True))
         return SILENT if max(x, y, z) < STILL_HZ else (x, y, z)
 
-    def _motors(self, before: Vector, after: Vector) -> Samples:
+    def _motors(self, before: Floats, after: Floats) -> Samples:
         """Return the sound of the motors: a tone with the frequency of each motor's steps, and the rattle of gears."""
         at = (NUMBERS + 1) / BLOCK
         rates = before + (after - before) * at[:, None]
@@ -255,11 +255,11 @@ class Ears:
 
 def heard_by(
     sound: PlayingSound, begin_s: float, distances: tuple[float, float], shadows: tuple[float, float]
-) -> Vector:
+) -> Floats:
     """Return what one ear hears in a block; distances (m) and shadows are those at its begin and its end."""
     away, shadow = (first + (last - first) * NUMBERS / BLOCK for first, last in (distances, shadows))
     clear, shaded = sound.emitted((begin_s - sound.began_s - away / SOUND) * RATE + NUMBERS)
-    heard: Vector = (clear + shadow * (shaded - clear)) / np.maximum(away, NEAREST)
+    heard: Floats = (clear + shadow * (shaded - clear)) / np.maximum(away, NEAREST)
     return heard
 
 

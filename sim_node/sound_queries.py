@@ -14,10 +14,10 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Detail, Reason, SoundQuery, SoundReply
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, quoted
 from beatrix_zenoh.contract.refusals import bad_field
+from beatrix_zenoh.motion.rotation import Vector
 from beatrix_zenoh.node import QueryThread
 from beatrix_zenoh.node.sensors import FULL_SCALE, RATE
 from sim_node.hearing import GENERATORS, PlayingSound, Samples, finer, generated
-from sim_node.shapes import Point
 from sim_node.target import BOUNDS, check_room, refused, told
 
 SILENCE, SAMPLES = "silence", "samples"
@@ -36,7 +36,7 @@ MOUTH_BELOW_EYES: Final = 0.079
 class SoundSource:
     """The source of sound of a room; any thread may read it, and one changes it."""
 
-    def __init__(self, person: Callable[[], Point], clock_s: Callable[[], float]) -> None:
+    def __init__(self, person: Callable[[], Vector], clock_s: Callable[[], float]) -> None:
         """Store the arguments.
 
         Args:
@@ -44,11 +44,11 @@ class SoundSource:
             clock_s: the monotonic clock (s).
         """
         self._person, self._clock_s = person, clock_s
-        self._place: Point | None = None
+        self._place: Vector | None = None
         """m; None: the mouth of the person"""
         self._playing: PlayingSound | None = None
 
-    def place(self, eyes: Point) -> Point:
+    def place(self, eyes: Vector) -> Vector:
         """Return the place (m) of the source while the person's eyes are at `eyes`."""
         return self._place or (eyes[0], eyes[1], eyes[2] - MOUTH_BELOW_EYES)
 
@@ -113,7 +113,7 @@ class SoundSource:
         )
 
 
-def place_of(query: SoundQuery) -> Point | None:
+def place_of(query: SoundQuery) -> Vector | None:
     """Return the place (m) in a query, None if there is none; raises Refused (BAD_VALUE)."""
     x, y, z = query.x, query.y, query.z
     if (x, y, z) == (None, None, None):

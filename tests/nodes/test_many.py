@@ -96,6 +96,6 @@ def test_a_signal_ends_all_robots(alone: Stage) -> None:
         until(lambda: client.bus.robots() == [], "all robots are gone")
 
 
-@pytest.mark.parametrize("options", [("--name", "ada"), ("--legacy", "COM4"), ("--view",)])
+@pytest.mark.parametrize("options", [("--legacy", "COM4"), ("--view",)])
 def test_impossible_options_are_refused(options: tuple[str, ...]) -> None:
     assert beatrix("sim", "--name", "ada", "--name", "bob", *options).returncode == 2

@@ -9,8 +9,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from beatrix_zenoh.body.surface import Floats
 from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES
-from beatrix_zenoh.motion.rotation import Rotation
+from beatrix_zenoh.motion.rotation import Rotation, Vector
 from beatrix_zenoh.node.sensors import BLOCK, RATE
 from sim_node.hearing import (
     GENERATORS,
@@ -24,7 +25,6 @@ from sim_node.hearing import (
     heard_by,
     hearing,
 )
-from sim_node.shapes import Point, Vector
 
 REST = (0.0, 0.0, 0.0)
 HEIGHT = ROBOT.head.centre_height
@@ -36,7 +36,7 @@ def turned(yaw_deg: float) -> Rotation:
     return (c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0)
 
 
-def at(bearing_deg: float, away: float = 1.15) -> Point:
+def at(bearing_deg: float, away: float = 1.15) -> Vector:
     """Return a place at the height of the ears, at a distance (m) from the middle of the head; left is positive."""
     bearing = math.radians(bearing_deg)
     return away * math.cos(bearing), away * math.sin(bearing), HEIGHT
@@ -50,12 +50,12 @@ def hum(hz: float) -> PlayingSound:
     return PlayingSound("hum", 0.0, LONG_S, finer(np.sin(math.tau * hz * np.arange(RATE) / RATE)))
 
 
-def listen(ears: Ears, scenes: list[Hearing], sound: PlayingSound | None) -> Vector:
+def listen(ears: Ears, scenes: list[Hearing], sound: PlayingSound | None) -> Floats:
     """Return what the ears hear during the scenes, one block for each, from the second second of the sound on."""
     return np.concatenate([ears.block(one, sound, 1 + i * BLOCK / RATE) for i, one in enumerate(scenes)])
 
 
-def delay_s(left: Vector, right: Vector, upsampled: int = 8) -> float:
+def delay_s(left: Floats, right: Floats, upsampled: int = 8) -> float:
     """Return how much later (s) the right ear hears the same: the peak of the cross-correlation with phase transform.
 
     Knapp and Carter, The generalized correlation method for estimation of time delay, 1976.
@@ -69,7 +69,7 @@ def delay_s(left: Vector, right: Vector, upsampled: int = 8) -> float:
     return float(peak) / (RATE * upsampled)
 
 
-def bearing_deg(sound: Vector) -> float:
+def bearing_deg(sound: Floats) -> float:
     """Return the direction (deg, left is positive) of a source, from the delay between both ears."""
     sine = delay_s(sound[:, 0], sound[:, 1]) * SOUND / SIZES.ear_baseline
     return math.degrees(math.asin(max(-1.0, min(1.0, sine))))

@@ -16,9 +16,9 @@ from beatrix_zenoh.bus.query_forms import RawQuery
 from beatrix_zenoh.client.sound import ANEW_NS, BlockOrder, Faults, Sound, joined
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated.messages import Reason, SoundQuery, SoundReply
+from beatrix_zenoh.motion.rotation import Vector
 from beatrix_zenoh.node.sensors import BLOCK, BLOCK_NS, RATE, to_pcm
 from sim_node.hearing import FINER
-from sim_node.shapes import Point
 from sim_node.sound_queries import MOUTH_BELOW_EYES, SoundSource, reply
 
 BEGIN_NS = 10**12
@@ -178,7 +178,7 @@ class Room:
         return reply(self.source, raw, attachment)
 
     @property
-    def place(self) -> Point:
+    def place(self) -> Vector:
         return self.source.place(self.eyes)
 
 
