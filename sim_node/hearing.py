@@ -147,9 +147,6 @@ MOTOR: Final = 0.008
 """Amplitude of the sound of a motor at MOTOR_HZ; both ears hear it equally, because the motors are below the neck."""
 MOTOR_HZ: Final = 350.0
 """Microsteps per second of an arm at 30 deg/s, the default speed."""
-STILL_HZ: Final = 10.0
-"""Below this many microsteps per second an arm only settles: its motor makes no steps."""
-SILENT: Final[Arms] = (0.0, 0.0, 0.0)
 HARMONICS: Final = 6
 
 
@@ -207,15 +204,18 @@ class Ears:
             noise: root mean square of the microphones' noise.
             seed: makes the noise repeatable.
         """
-        self._steps_per_turn, self._noise = Gear(robot.drive).steps_per_turn, noise
+        self._noise = noise
+        self._steps = Gear(robot.drive).steps_per_turn / math.tau * RATE / BLOCK
+        """microsteps per second of an arm that turns by 1 rad in a block"""
         self._random = np.random.default_rng(seed)
         self._last: Hearing | None = None
-        self._rates = SILENT
+        self._rates = np.zeros(3)
+        """microsteps per second of each arm during the last block"""
         self._phases: Floats = np.zeros(3)
 
     def restart(self) -> None:
         """Forget where the last block ended, after a pause."""
-        self._last, self._rates = None, SILENT
+        self._last, self._rates = None, np.zeros(3)
 
     def block(self, now: Hearing, sound: PlayingSound | None, begin_s: float) -> Samples:
         """Return the next BLOCK frames, shape (BLOCK, 2), which end with `now`.
@@ -229,16 +229,9 @@ class Ears:
             ways = zip(last.distances(), now.distances(), last.shadows(), now.shadows(), strict=True)
             for ear, (far, away, shade, shadow) in enumerate(ways):
                 heard[ear] += heard_by(sound, begin_s, (far, away), (shade, shadow))
-        before, self._rates = self._rates, self._step_rates(last.arms, now.arms)
-        if before != SILENT or self._rates != SILENT:
-            heard += self._motors(np.array(before), np.array(self._rates))
+        before, self._rates = self._rates, np.abs(np.subtract(now.arms, last.arms)) * self._steps
+        heard += self._motors(before, self._rates)
         return heard.T
-
-    def _step_rates(self, last: Arms, now: Arms) -> Arms:
-        """Return the microsteps per second of each arm during a block."""
-        scale = self._steps_per_turn / math.tau * RATE / BLOCK
-        x, y, z = (abs(after - before) * scale for after, before in zip(now, last, strict=True))
-        return SILENT if max(x, y, z) < STILL_HZ else (x, y, z)
 
     def _motors(self, before: Floats, after: Floats) -> Samples:
         """Return the sound of the motors: a tone with the frequency of each motor's steps, and the rattle of gears."""

@@ -53,9 +53,8 @@ class HistoryPanel(Panel):
 
     def show_view(self, rows: tuple[HistoryRowView, ...]) -> None:
         """Show the rows; the selected one stays selected while it exists."""
-        if rows != self._rows:
-            chosen, self._rows = self._chosen(), rows
-            self._fill(chosen)
+        chosen, self._rows = self._chosen(), rows
+        self._fill(chosen)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours of a theme."""
