@@ -55,28 +55,25 @@ def on_path(path: TargetPath, t_s: float, period_s: float = PERIOD_S) -> Vector:
             return HOME
 
 
+def check_range(field: str, value: float, low: float, high: float | None, unit: str, text: str) -> None:
+    """Raise Refused (BAD_VALUE) with a sentence for a value of a query below `low` or above `high`."""
+    if not low <= value <= (math.inf if high is None else high):
+        raise Refused(Reason.BAD_VALUE, text, Detail(field=field, value=value, low=low, high=high, unit=unit))
+
+
 def check_room(place: Vector, what: str) -> None:
     """Raise Refused (BAD_VALUE) for a place outside the room; `what` begins the sentence."""
     for (field, (low, high)), value in zip(BOUNDS.items(), place, strict=True):
-        if not low <= value <= high:
-            raise Refused(
-                Reason.BAD_VALUE,
-                f"{what} {field} = {value:.2f} m; the room allows {low:.1f} to {high:.1f} m.",
-                Detail(field=field, value=value, low=low, high=high, unit="m"),
-            )
+        text = f"{what} {field} = {value:.2f} m; the room allows {low:.1f} to {high:.1f} m."
+        check_range(field, value, low, high, "m", text)
 
 
 def check(place: Vector) -> None:
     """Raise Refused (BAD_VALUE) for a place of the person outside the room or inside the robot."""
     check_room(place, "The person cannot be at")
     away = math.hypot(place[0], place[1])
-    if away < NEAREST:
-        raise Refused(
-            Reason.BAD_VALUE,
-            f"The person would be {away:.2f} m from the neck's axis; at least {NEAREST:.2f} m is allowed. "
-            "Choose x and y further away.",
-            Detail(field="x", value=away, low=NEAREST, unit="m"),
-        )
+    text = f"The person would be {away:.2f} m from the neck's axis; at least {NEAREST:.2f} m is allowed."
+    check_range("x", away, NEAREST, None, "m", text)
 
 
 class PersonTarget:
@@ -102,12 +99,8 @@ class PersonTarget:
             text = f"There is no path {quoted(path)} for the person. Choose {', '.join(TargetPath)}."
             raise bad_field("path", text, list(TargetPath))
         low, high = PERIODS_S
-        if not low <= period_s <= high:
-            raise Refused(
-                Reason.BAD_VALUE,
-                f"A period of {period_s:g} s is not possible: give {low:g} to {high:g} s.",
-                Detail(field="period_s", value=period_s, low=low, high=high, unit="s"),
-            )
+        text = f"A period of {period_s:g} s is not possible: give {low:g} to {high:g} s."
+        check_range("period_s", period_s, low, high, "s", text)
         self._walk, self._set = (TargetPath(path), start_s, period_s), None
 
 
