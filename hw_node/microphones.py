@@ -53,7 +53,7 @@ def microphone_sensor(node: Node, source: SensorSource) -> Component:
 def choose(word: str) -> SensorSource | None:
     """Create the source that `--microphones` names; None for `off` and an empty text.
 
-    No device is opened; a file is read once, to refuse a damaged one.
+    No device is opened; a file is read now, to refuse a damaged one.
 
     Raises:
         WrongUsage: BAD_VALUE, with the mistake and the allowed values.
@@ -61,15 +61,12 @@ def choose(word: str) -> SensorSource | None:
     if word in ("", OFF):
         return None
     if word == TONE:
-        return RepeatedSound(TONE, tone)
+        return RepeatedSound(TONE, tone())
     if word.startswith(FILE):
-        path = Path(word.removeprefix(FILE))
-        source = RepeatedSound("file", lambda: read(path))
         try:
-            source.open()
+            return RepeatedSound("file", read(Path(word.removeprefix(FILE))))
         except NoAnswer as error:
             raise wrong(word, error.message) from error
-        return source
     try:
         return DeviceMicrophones(word, library())
     except WrongUsage as error:
@@ -110,16 +107,9 @@ def unplayable(path: Path, why: object) -> NoAnswer:
 class RepeatedSound(TimedSound):
     """Sound that is repeated without end: the test tone, or a WAV file."""
 
-    def __init__(self, name: str, load: Callable[[], Frames]) -> None:
-        """`load` returns the frames; `open` calls it, and raises what it raises."""
+    def __init__(self, name: str, frames: Frames) -> None:
         super().__init__()
-        self.name, self._load = name, load
-        self._frames, self._at = np.zeros((1, 2), "<i2"), 0
-
-    def open(self) -> None:
-        """Begin with the first block now."""
-        self._frames, self._at = self._load(), 0
-        super().open()
+        self.name, self._frames, self._at = name, frames, 0
 
     def pcm(self, begin_ns: int) -> bytes:  # noqa: ARG002
         """Return the next block."""

@@ -217,8 +217,7 @@ class Eyes(Component):
                 self._closed.wait(RETRY_S)
         else:
             self._report("")
-            late = self._late_steps() > late_before
-            self._rate.drawn(begin_s, took_s, late=late)
+            self._rate.drawn(begin_s, took_s, late=self._late_steps() > late_before)
 
     def _report(self, trouble: str) -> None:
         for eye in names.EYES:

@@ -13,6 +13,7 @@ from beatrix_zenoh import Interrupted
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import PoseQuery
+from sim_node.app import chosen
 
 NAMES = ("ada", "bob", "cem")
 
@@ -99,3 +100,8 @@ def test_a_signal_ends_all_robots(alone: Stage) -> None:
 @pytest.mark.parametrize("options", [("--legacy", "COM4"), ("--view",)])
 def test_impossible_options_are_refused(options: tuple[str, ...]) -> None:
     assert beatrix("sim", "--name", "ada", "--name", "bob", *options).returncode == 2
+
+
+def test_a_robot_that_is_named_twice_is_simulated_once() -> None:
+    _, names = chosen(["ada", "bob", "ada"], None, None)
+    assert names == ["ada", "bob"]
