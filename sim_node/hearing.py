@@ -39,6 +39,8 @@ SHADOW_HZ: Final = 2000.0
 """Corner frequency of the head shadow."""
 FINER: Final = 8
 """Stored samples for each one of a sound."""
+REACH: Final = 20
+"""Samples over which filters extend to either side."""
 
 Samples = npt.NDArray[np.float32]
 
@@ -48,12 +50,21 @@ def finer(samples: Samples) -> Samples:
 
     The shadow is a one-pole low-pass, forwards and backwards: it has no delay, which would move the source.
     """
-    spectrum = np.fft.rfft(samples)
-    pole = math.exp(-math.tau * SHADOW_HZ / RATE)
-    turn = np.exp(-1j * math.tau * np.arange(len(spectrum)) / len(samples))
-    shadow = ((1 - pole) / np.abs(1 - pole * turn)) ** 2
-    found = np.fft.irfft([spectrum, spectrum * shadow], FINER * len(samples)) * FINER
-    return found.astype(np.float32)
+    at = np.arange(-REACH, REACH + 1)
+    shadow = np.exp(-math.tau * SHADOW_HZ / RATE) ** np.abs(at)
+    shaded = _filtered(samples, shadow / shadow.sum())
+    found = np.empty((2, FINER * len(samples)), np.float32)
+    for phase in range(FINER):
+        between = at + phase / FINER
+        kernel = np.sinc(between) * np.cos(np.pi * between / (2 * REACH + 2)) ** 2
+        found[:, phase::FINER] = _filtered(samples, kernel), _filtered(shaded, kernel)
+    return found
+
+
+def _filtered(samples: Samples, kernel: Floats) -> Samples:
+    """Return a sound that is repeated without end after a filter with 2 * REACH + 1 taps."""
+    filtered: Samples = np.convolve(np.pad(samples, REACH, mode="wrap"), kernel.astype(np.float32), "valid")
+    return filtered
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +145,7 @@ GENERATORS: Final[dict[str, Callable[[], Floats]]] = {"clap": clap, "voice": voi
 def generated(name: str) -> Samples:
     """Return the samples of a sound, as `finer` does; the first time takes some ms."""
     samples = GENERATORS[name]()
-    return finer(samples * (LOUDNESS if name == "clap" else LOUDNESS / samples.std()))
+    return finer((samples * (LOUDNESS if name == "clap" else LOUDNESS / samples.std())).astype(np.float32))
 
 
 SOUND: Final = 343.0

@@ -47,7 +47,9 @@ def played(name: str) -> PlayingSound:
 
 
 def hum(hz: float) -> PlayingSound:
-    return PlayingSound("hum", 0.0, LONG_S, finer(np.sin(math.tau * hz * np.arange(RATE) / RATE)))
+    return PlayingSound(
+        "hum", 0.0, LONG_S, finer(np.sin(math.tau * hz * np.arange(RATE) / RATE).astype(np.float32))
+    )
 
 
 def listen(ears: Ears, scenes: list[Hearing], sound: PlayingSound | None) -> Floats:

@@ -271,7 +271,7 @@ def test_samples_are_heard_as_they_were_sent() -> None:
     room.ask("play=samples", sent.tobytes())
     playing = room.source.playing()
     assert playing is not None
-    assert playing.samples[0, ::FINER] * 32768 == pytest.approx(sent, abs=1)
+    assert playing.samples[0, ::FINER] * 32768 == pytest.approx(sent, abs=0.01)
 
 
 @given(st.binary(max_size=60), st.sampled_from(["", codec.MSGPACK]), st.binary(max_size=9))
