@@ -223,8 +223,6 @@ class Panels(QWidget):
 
     def _picture(self) -> QRect:
         """Return the part of the middle that a refusal may cover: no control is there in the view of the head."""
-        shown: QWidget | None = self.tabs.currentWidget()
-        if shown is None:
-            return QRect()
+        shown = self.tabs.currentWidget()
         area = QRect(shown.mapTo(self.pages, QPoint(0, 0)), shown.size())
         return area.adjusted(0, 0, 0, -self.head3d.controls_height)
