@@ -109,8 +109,6 @@ class PipedProcess:
 def begin(words: Sequence[str]) -> RobotData:
     """Prepare this process, which a simulation has started and will end, and return the robot of its words."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the simulation handles Ctrl-C
-    with contextlib.suppress(AttributeError, OSError):
-        os.nice(NICE)
     return msgspec.json.decode(words[0], type=RobotData)
 
 
@@ -123,5 +121,9 @@ def reply(data: bytes) -> None:
 def requests() -> Iterator[tuple[Sequence[str], SceneState]]:
     """Yield what the simulation asks, until it ends."""
     with contextlib.suppress(EOFError):
+        yield pickle.load(sys.stdin.buffer)  # noqa: S301 - as below
+        # Only when the first is done, because a client waits for the first picture.
+        with contextlib.suppress(AttributeError, OSError):
+            os.nice(NICE)
         while True:
             yield pickle.load(sys.stdin.buffer)  # noqa: S301 - of the simulation
