@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import codecs
 from binascii import unhexlify
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Annotated
 
@@ -22,7 +22,7 @@ from beatrix_zenoh.terminal.options import Json
 from beatrix_zenoh.terminal.run import run_command
 from hw_node import stk500
 from hw_node.port import VIRTUAL, SerialPort, find
-from hw_node.stk500 import FLASH, PAGE, PARKED, Programmer, Wire
+from hw_node.stk500 import FLASH, PAGE, PARKED, Programmer
 
 SHIPPED = Path(__file__).with_name("beatrix-mega2560.hex")
 """The firmware in this package."""
@@ -87,12 +87,9 @@ FIRST_PAGE = (
 HALF_WRITTEN = "The board contains an incomplete firmware and will not start it. Run `beatrix flash` again. The boot loader is intact."
 COMPLETE = "The firmware is written and verified. Press the reset button to start it."
 
-SetState = Callable[[str], None]
-"""A function of the sentence that describes the board from now on."""
 
-
-def program(wire: Wire, image: bytes, bar: Progress, now: SetState) -> None:
-    """Reset the board, write and verify the firmware, and start it.
+def program(port: SerialPort, image: bytes, bar: Progress) -> Iterator[str]:
+    """Reset the board, write and verify the firmware, and start it; yield what describes the board from then on.
 
     The first page contains an endless loop until all others are verified, so a board that loses its connection or power
     meanwhile does not start the firmware. One gap remains: for a few milliseconds at the beginning and at the end the
@@ -102,51 +99,23 @@ def program(wire: Wire, image: bytes, bar: Progress, now: SetState) -> None:
         NoAnswer: the boot loader fails.
         OSError: the port fails.
     """
-    programmer = Programmer(wire)
-    wire.reset_board()
+    programmer = Programmer(port)
+    port.reset_board()
     programmer.sign_on()
     pages = [(at, image[at : at + PAGE].ljust(PAGE, b"\xff")) for at in range(0, len(image), PAGE)]
-    now(FIRST_PAGE)
+    yield FIRST_PAGE
     programmer.write(0, PARKED)
     programmer.check(0, PARKED)
-    now(HALF_WRITTEN)
+    yield HALF_WRITTEN
     for at, page in bar.track(pages[1:], description="Writing"):
         programmer.write(at, page)
     for at, page in bar.track(pages[1:], description="Verifying"):
         programmer.check(at, page)
-    now(FIRST_PAGE)
+    yield FIRST_PAGE
     programmer.write(*pages[0])
     programmer.check(*pages[0])
-    now(COMPLETE)
+    yield COMPLETE
     programmer.leave()
-
-
-@contextmanager
-def report_board_state() -> Iterator[SetState]:
-    """Yield a function that sets the state of the board; if the block fails, report that state.
-
-    A NoAnswer or OSError gets it in its message; it is printed before a KeyboardInterrupt.
-
-    Raises:
-        NoAnswer: the error of the block; BOARD_LOST instead of an OSError.
-    """
-    state = UNTOUCHED
-
-    def now(what: str) -> None:
-        nonlocal state
-        state = what
-
-    try:
-        yield now
-    except OSError as error:
-        raise NoAnswer(
-            Reason.BOARD_LOST, f"The serial port failed ({error}). Check the cable. {state}"
-        ) from error
-    except NoAnswer as error:
-        raise NoAnswer(error.reason, f"{error} {state}") from error
-    except KeyboardInterrupt:
-        note(state)
-        raise
 
 
 def flash(
@@ -166,21 +135,31 @@ def flash(
     as_json: Json = False,
 ) -> None:
     """Write the firmware to the board, in about ten seconds. Hold the head: the motors switch off."""
-    with signals_interrupt(), report_board_state() as now:
-        image = read_hex(file)
-        if port.startswith(VIRTUAL.rstrip(":")):
-            raise WrongUsage(
-                Reason.BAD_VALUE,
-                f"--port {port} is a virtual board, which cannot be flashed. Name a serial port.",
-            )
-        device, console = port or find(), Console(stderr=True)
-        wire = SerialPort(device, stk500.BAUD)
-        try:
+    image, state = read_hex(file), UNTOUCHED
+    if port.startswith(VIRTUAL.rstrip(":")):
+        raise WrongUsage(
+            Reason.BAD_VALUE,
+            f"--port {port} is a virtual board, which cannot be flashed. Name a serial port.",
+        )
+    console = Console(stderr=True)
+    try:
+        device = port or find()
+        with (
+            signals_interrupt(),
+            closing(SerialPort(device, stk500.BAUD)) as opened,
+            Progress(console=console, disable=not console.is_terminal) as bar,
+        ):
             note(f"{device}: waiting for the boot loader. Hold the head: the motors switch off.")
-            with Progress(console=console, disable=not console.is_terminal) as bar:
-                program(wire, image, bar, now)
-        finally:
-            wire.close()
+            for now in program(opened, image, bar):
+                state = now
+    except OSError as error:
+        text = f"The serial port failed ({error}). Check the cable. {state}"
+        raise NoAnswer(Reason.BOARD_LOST, text) from error
+    except NoAnswer as error:
+        raise NoAnswer(error.reason, f"{error} {state}") from error
+    except KeyboardInterrupt:
+        note(state)
+        raise
     if as_json:
         print_json({"result": True, "port": device, "bytes": len(image)})
     else:

@@ -28,9 +28,9 @@ from beatrix_zenoh.node.sensors import (
     RATE,
     SILENT_S,
     TITLE,
-    BlockClock,
     Sensor,
     SensorSource,
+    TimedSound,
     to_pcm,
 )
 
@@ -53,7 +53,7 @@ def microphone_sensor(node: Node, source: SensorSource) -> Component:
 def choose(word: str) -> SensorSource | None:
     """Create the source that `--microphones` names; None for `off` and an empty text.
 
-    No device is opened; a file is read once, to refuse a damaged one.
+    No device is opened; a file is read now, to refuse a damaged one.
 
     Raises:
         WrongUsage: BAD_VALUE, with the mistake and the allowed values.
@@ -61,16 +61,12 @@ def choose(word: str) -> SensorSource | None:
     if word in ("", OFF):
         return None
     if word == TONE:
-        return RepeatedSound(TONE, tone)
+        return RepeatedSound(TONE, tone())
     if word.startswith(FILE):
-        path = Path(word.removeprefix(FILE))
-        source = RepeatedSound("file", lambda: read(path))
         try:
-            source.open()
+            return RepeatedSound("file", read(Path(word.removeprefix(FILE))))
         except NoAnswer as error:
             raise wrong(word, error.message) from error
-        source.close()
-        return source
     try:
         return DeviceMicrophones(word, library())
     except WrongUsage as error:
@@ -108,35 +104,18 @@ def unplayable(path: Path, why: object) -> NoAnswer:
     return NoAnswer(Reason.BAD_VALUE, f"{path} cannot be played: {why}. {what}")
 
 
-class RepeatedSound:
+class RepeatedSound(TimedSound):
     """Sound that is repeated without end: the test tone, or a WAV file."""
 
-    def __init__(self, name: str, load: Callable[[], Frames]) -> None:
-        """`load` returns the frames; `open` calls it, and raises what it raises."""
-        self.name, self._load = name, load
-        self._clock, self._frames = BlockClock(), np.zeros((1, 2), "<i2")
-        self._at = 0
+    def __init__(self, name: str, frames: Frames) -> None:
+        super().__init__()
+        self.name, self._frames, self._at = name, frames, 0
 
-    def trouble(self) -> str:
-        """Return an empty text: `open` finds out whether the sound can be read."""
-        return ""
-
-    def open(self) -> None:
-        """Begin with the first block now."""
-        self._frames, self._at = self._load(), 0
-        self._clock.restart()
-
-    def next(self, timeout_s: float) -> SensorFrame | None:
-        """Wait for the next block and return it; None if it is complete after `timeout_s`."""
-        begin_ns = self._clock.wait(timeout_s)
-        if begin_ns is None:
-            return None
+    def pcm(self, begin_ns: int) -> bytes:  # noqa: ARG002
+        """Return the next block."""
         rows = (self._at + np.arange(BLOCK)) % len(self._frames)
         self._at += BLOCK
-        return sound_block(self._frames[rows].tobytes(), begin_ns, self.name, self._clock.dropped)
-
-    def close(self) -> None:
-        """Do nothing: there are no resources to free."""
+        return self._frames[rows].tobytes()
 
 
 CHANNELS: Final = 2
@@ -166,10 +145,10 @@ def library() -> ModuleType:
     return cast("ModuleType", sounddevice)
 
 
-class DeviceMicrophones:
+class DeviceMicrophones(SensorSource):
     """Two microphones of one sound device, named by a part of its name or by its number."""
 
-    name: Final = "device"
+    name = "device"
 
     def __init__(self, word: str, sound: ModuleType) -> None:
         """`sound` is the module `sounddevice`."""

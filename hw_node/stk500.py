@@ -9,10 +9,11 @@ from __future__ import annotations
 import time
 from functools import reduce
 from operator import xor
-from typing import Final, Protocol
+from typing import Final
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
+from hw_node.port import SerialPort
 
 BAUD: Final = 115_200
 PAGE: Final = 256
@@ -38,27 +39,14 @@ REPLY_S: Final = 1.0
 TRIES: Final = 5
 
 
-class Wire(Protocol):
-    """A serial port with a reset line."""
-
-    def write(self, data: bytes) -> object:
-        """Send all bytes."""
-
-    def read(self, timeout_s: float) -> bytes:
-        """Wait up to `timeout_s` for a byte, and return all received bytes."""
-
-    def reset_board(self) -> None:
-        """Reset the board; the boot loader starts."""
-
-
 class Programmer:
     """Writes and reads the flash of a board that has just been reset.
 
     Every method raises NoAnswer (BOARD_LOST, TIMED_OUT) if the boot loader does not answer correctly.
     """
 
-    def __init__(self, wire: Wire) -> None:
-        self._wire = wire
+    def __init__(self, port: SerialPort) -> None:
+        self._port = port
         self._sequence = 0
 
     def sign_on(self) -> None:
@@ -126,11 +114,11 @@ class Programmer:
         """Send a command once and return the body of the reply; None if no valid reply arrives in time."""
         self._sequence = (self._sequence + 1) % 256
         message = bytes([START, self._sequence]) + len(body).to_bytes(2, "big") + bytes([TOKEN]) + body
-        self._wire.write(message + bytes([reduce(xor, message)]))
+        self._port.write(message + bytes([reduce(xor, message)]))
         received = b""
         deadline = time.monotonic() + timeout_s
         while time.monotonic() < deadline:
-            data = self._wire.read(max(0.0, deadline - time.monotonic()))
+            data = self._port.read(max(0.0, deadline - time.monotonic()))
             if not data:
                 return None
             received += data

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from pathlib import Path
 from typing import Annotated
 
@@ -106,7 +105,6 @@ def chosen(given: list[str], seats: Path | None, connect: str | None) -> tuple[S
     """Return the settings, and the names of the robots to simulate: those given and the seats of a class file.
 
     Raises:
-        BadParameter: a name is given twice.
         WrongUsage: BAD_VALUE, as `resolve`; the class file or a name is wrong.
     """
     wanted = list(given)
@@ -114,12 +112,8 @@ def chosen(given: list[str], seats: Path | None, connect: str | None) -> tuple[S
         from beatrix_zenoh import class_file  # noqa: PLC0415 - only --seats needs it
 
         wanted += class_file.read(seats).seats
-    if twice := [name for name, times in Counter(wanted).items() if times > 1]:
-        raise typer.BadParameter(
-            f"{', '.join(twice)} would be simulated twice: give each name once. With --seats those of the class are given."
-        )
     settings = resolve(wanted[0] if wanted else None, connect)
-    return settings, [names.check_name(name) for name in wanted] or [settings.robot]
+    return settings, [*dict.fromkeys(names.check_name(name) for name in wanted)] or [settings.robot]
 
 
 def main(words: list[str] | None = None) -> int:

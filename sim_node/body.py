@@ -243,7 +243,7 @@ class Simulation:
         return PlantStatus(
             real_time_factor=self._clock.real_time_factor(time.monotonic()),
             late_steps=self._clock.late,
-            slipped_steps=sum(map(abs, self._plant.slipped())),
+            slipped_steps=sum(map(abs, self._plant.drive.slipped)),
             re_placed=self._plant.re_placed,
         )
 

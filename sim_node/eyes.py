@@ -52,6 +52,8 @@ class Drawing:
             OSError: there is no OpenGL, or the process cannot be started, has ended or hangs; the next call starts another
                 one.
         """
+        with self._lock:
+            self._users.add(user)
         with self._turn:
             try:
                 renderer = self._renderer or self._open(user)
@@ -63,11 +65,6 @@ class Drawing:
                     self._close()
                 raise
             return begin_s, (time.monotonic() - begin_s) * max(1, len(self._users))
-
-    def begin(self, user: object) -> None:
-        """Keep the process for a robot that is watched."""
-        with self._lock:
-            self._users.add(user)
 
     def end(self, user: object) -> None:
         """End the process, even if it hangs, unless another robot is watched; may be called twice."""
@@ -200,7 +197,6 @@ class Eyes(Component):
                     self._drawing.end(self)
                     watched = False
             elif not self._closed.wait(self._rate.wait_s(time.monotonic())):
-                self._drawing.begin(self)
                 watched = True
                 self._draw(subscribed)
         self._drawing.end(self)
@@ -221,8 +217,7 @@ class Eyes(Component):
                 self._closed.wait(RETRY_S)
         else:
             self._report("")
-            late = self._late_steps() > late_before
-            self._rate.drawn(begin_s, took_s, late=late)
+            self._rate.drawn(begin_s, took_s, late=self._late_steps() > late_before)
 
     def _report(self, trouble: str) -> None:
         for eye in names.EYES:

@@ -4,7 +4,8 @@ Ears hear delay, distance, head shadow, noise, and the stepper motors, but no ro
 blocks of sound; only `simulated_microphones` have a thread, which publishes them while a client subscribes.
 
 The delay of a block changes linearly from its first to its last frame, and a block begins where the last one ended, so
-that nothing clicks while head or source move. Sound between two samples is computed with a windowed sinc.
+that nothing clicks while head or source move. Each sound is stored with FINER times as many samples, so that straight
+lines between them are exact enough for the places that the ears hear.
 """
 
 from __future__ import annotations
@@ -17,15 +18,14 @@ from typing import Final
 
 import numpy as np
 import numpy.typing as npt
-from numpy.lib.stride_tricks import as_strided
 
+from beatrix_zenoh.body.surface import Floats
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES, RobotData
 from beatrix_zenoh.motion.gear import Arms, Gear
-from beatrix_zenoh.motion.rotation import Rotation
-from beatrix_zenoh.node import Component, Node, SensorFrame, microphones_publisher, sound_block
-from beatrix_zenoh.node.sensors import BLOCK, RATE, TITLE, BlockClock, Sensor, to_pcm
-from sim_node.shapes import Point, Vector
+from beatrix_zenoh.motion.rotation import Rotation, Vector
+from beatrix_zenoh.node import Component, Node, microphones_publisher
+from beatrix_zenoh.node.sensors import BLOCK, BLOCK_NS, RATE, TITLE, Sensor, TimedSound, to_pcm
 
 LOUDNESS: Final = 0.05
 """Root mean square of voice and noise at a distance of 1 m."""
@@ -33,7 +33,38 @@ FADE: Final = 240
 """Frames (5 ms) over which a sound begins and ends, so that it does not click."""
 SEED: Final = 1
 
+SHADOW: Final = 0.85
+"""Largest part of the high frequencies that the head takes away: from the ear on the far side, 16 dB."""
+SHADOW_HZ: Final = 2000.0
+"""Corner frequency of the head shadow."""
+FINER: Final = 8
+"""Stored samples for each one of a sound."""
+REACH: Final = 20
+"""Samples over which filters extend to either side."""
+
 Samples = npt.NDArray[np.float32]
+
+
+def finer(samples: Samples) -> Samples:
+    """Return a sound that is repeated without end with FINER times as many samples, shape (2, n): clear, and in the shadow.
+
+    The shadow is a one-pole low-pass, forwards and backwards: it has no delay, which would move the source.
+    """
+    at = np.arange(-REACH, REACH + 1)
+    shadow = np.exp(-math.tau * SHADOW_HZ / RATE) ** np.abs(at)
+    shaded = _filtered(samples, shadow / shadow.sum())
+    found = np.empty((2, FINER * len(samples)), np.float32)
+    for phase in range(FINER):
+        between = at + phase / FINER
+        kernel = np.sinc(between) * np.cos(np.pi * between / (2 * REACH + 2)) ** 2
+        found[:, phase::FINER] = _filtered(samples, kernel), _filtered(shaded, kernel)
+    return found
+
+
+def _filtered(samples: Samples, kernel: Floats) -> Samples:
+    """Return a sound that is repeated without end after a filter with 2 * REACH + 1 taps."""
+    filtered: Samples = np.convolve(np.pad(samples, REACH, mode="wrap"), kernel.astype(np.float32), "valid")
+    return filtered
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,36 +76,42 @@ class PlayingSound:
     """time of its first sample, by the monotonic clock"""
     seconds: float
     samples: Samples = field(repr=False)
+    """those of `finer`"""
 
     def left_s(self, now_s: float) -> float:
         """Return how much longer it plays (s)."""
         return max(0.0, self.began_s + self.seconds - now_s)
 
-    def emitted(self, first: int, count: int) -> Samples:
-        """Return `count` samples from number `first` on; zeros before the sound begins and after its end."""
-        total = round(self.seconds * RATE)
-        numbers = np.arange(first, first + count)
-        fade: Samples = np.clip(np.minimum(numbers + 1, total - numbers) / FADE, 0.0, 1.0).astype(np.float32)
-        return self.samples.take(numbers, mode="wrap") * fade
+    def emitted(self, numbers: Floats) -> Floats:
+        """Return the samples of these numbers, which may be fractions, shape (2, n): clear, and in the head's shadow.
+
+        They are 0 before the sound begins and after its end.
+        """
+        fade = np.clip(np.minimum(numbers + 1, self.seconds * RATE - numbers) / FADE, 0.0, 1.0)
+        places = numbers * FINER
+        first = np.floor(places).astype(np.int64)
+        one, other = (self.samples.take(first + after, axis=1, mode="wrap") for after in (0, 1))
+        found: Floats = (one + (places - first) * (other - one)) * fade
+        return found
 
 
-def _noise(length: int, low_hz: float, high_hz: float, seed: int = SEED) -> Vector:
+def _noise(length: int, low_hz: float, high_hz: float, seed: int = SEED) -> Floats:
     """Return noise between two frequencies that can be repeated without a seam, root mean square 1."""
     random = np.random.default_rng(seed)
     hz = np.fft.rfftfreq(length, 1 / RATE)
     inside = (hz >= low_hz) & (hz <= high_hz)
     spectrum = inside * np.exp(1j * random.uniform(0, math.tau, len(hz)))
-    samples: Vector = np.fft.irfft(spectrum, length)
+    samples: Floats = np.fft.irfft(spectrum, length)
     samples /= samples.std()
     return samples
 
 
-def noise() -> Vector:
+def noise() -> Floats:
     """Return a second of noise from 100 Hz to 12 kHz."""
     return _noise(RATE, 100.0, 12_000.0)
 
 
-def clap() -> Vector:
+def clap() -> Floats:
     """Return a clap, as short as that of two hands, and silence up to one second."""
     samples = _noise(RATE, 400.0, 12_000.0, SEED + 1)
     t_s = np.arange(RATE) / RATE - 0.01
@@ -87,7 +124,7 @@ SYLLABLE_S: Final = 0.5
 PITCH_HZ: Final = 120.0
 
 
-def voice() -> Vector:
+def voice() -> Floats:
     """Return half a second of a voice that says `sa`."""
     length = round(SYLLABLE_S * RATE)
     hiss = _noise(length, 2000.0, 12_000.0, SEED + 2)
@@ -96,20 +133,19 @@ def voice() -> Vector:
     turns = PITCH_HZ * (t_s + 0.03 * np.sin(math.tau * t_s / SYLLABLE_S) / 3)
     opens = np.clip(np.minimum(t_s - 0.08, 0.42 - t_s) / 0.04, 0.0, 1.0)
     hisses = np.clip(np.minimum(t_s, 0.1 - t_s) / 0.02, 0.0, 1.0)
-    vowel: Vector = sum((np.sin(math.tau * k * turns) / k for k in range(1, 34)), start=np.zeros(length))
-    said: Vector = opens * vowel / vowel.std() + (0.2 * hisses + 0.06 * opens) * hiss
+    vowel: Floats = sum((np.sin(math.tau * k * turns) / k for k in range(1, 34)), start=np.zeros(length))
+    said: Floats = opens * vowel / vowel.std() + (0.2 * hisses + 0.06 * opens) * hiss
     return said
 
 
-GENERATORS: Final[dict[str, Callable[[], Vector]]] = {"clap": clap, "voice": voice, "noise": noise}
+GENERATORS: Final[dict[str, Callable[[], Floats]]] = {"clap": clap, "voice": voice, "noise": noise}
 
 
 @cache
 def generated(name: str) -> Samples:
-    """Return the samples of a sound; the first time takes some ms."""
-    samples = GENERATORS[name]().astype(np.float32)
-    loud = LOUDNESS if name == "clap" else LOUDNESS / float(samples.std())
-    return loud * samples
+    """Return the samples of a sound, as `finer` does; the first time takes some ms."""
+    samples = GENERATORS[name]()
+    return finer((samples * (LOUDNESS if name == "clap" else LOUDNESS / samples.std())).astype(np.float32))
 
 
 SOUND: Final = 343.0
@@ -118,84 +154,50 @@ NEAREST: Final = 0.1
 """Distance (m) below which a source becomes no louder."""
 NOISE: Final = 0.001
 """Root mean square of the noise of a microphone; independent in both ears."""
-SHADOW: Final = 0.85
-"""Largest part of the high frequencies that the head takes away: from the ear on the far side, 16 dB."""
-SHADOW_HZ: Final = 2000.0
-"""Corner frequency of the head shadow."""
 MOTOR: Final = 0.008
 """Amplitude of the sound of a motor at MOTOR_HZ; both ears hear it equally, because the motors are below the neck."""
 MOTOR_HZ: Final = 350.0
 """Microsteps per second of an arm at 30 deg/s, the default speed."""
-STILL_HZ: Final = 10.0
-"""Below this many microsteps per second an arm only settles: its motor makes no steps."""
-SILENT: Final[Arms] = (0.0, 0.0, 0.0)
 HARMONICS: Final = 6
-TAPS: Final = 16
-PHASES: Final = 512
-BEFORE: Final = TAPS // 2 - 1
-"""Samples of the kernel before the frame that it computes."""
-_REACH: Final = 20
-"""Frames over which the kernel of the head shadow extends to either side."""
-
-Signal = Callable[[int, int], Samples]
-"""Samples of a source: number of the first one, and how many; emitted at RATE, number 0 at the start of the sound."""
 
 
-def _sincs() -> npt.NDArray[np.float32]:
-    """Return the kernels for PHASES + 1 delays between two samples, shape (PHASES + 1, TAPS), each of sum 1."""
-    at = np.arange(TAPS) - BEFORE - np.linspace(0, 1, PHASES + 1)[:, None]
-    kernels: Vector = np.sinc(at) * np.cos(np.pi * at / (TAPS + 1)) ** 2
-    kernels /= kernels.sum(axis=1, keepdims=True)
-    return kernels.astype(np.float32)
-
-
-def _shadow() -> Samples:
-    """Return a one-pole low-pass, forwards and backwards: it has no delay of its own, which would move the source."""
-    pole = math.exp(-math.tau * SHADOW_HZ / RATE)
-    kernel: Vector = pole ** np.abs(np.arange(-_REACH, _REACH + 1))
-    kernel /= kernel.sum()
-    return kernel.astype(np.float32)
-
-
-def _stepper() -> Vector:
+def _stepper() -> Floats:
     """Return one period of the tone of a motor, one for each microstep."""
     at = np.arange(1024) / 1024
-    tone: Vector = sum((np.sin(math.tau * k * at) / k for k in range(1, HARMONICS + 1)), start=np.zeros(1024))
+    tone: Floats = sum((np.sin(math.tau * k * at) / k for k in range(1, HARMONICS + 1)), start=np.zeros(1024))
     return tone
 
 
 NUMBERS: Final = np.arange(BLOCK, dtype=np.float64)
-SINCS: Final = _sincs()
 STEPPER: Final = _stepper()
-SHADE: Final = _shadow()
 
 
 @dataclass(frozen=True, eq=False)
 class Hearing:
     """Ears, source and arms at one time."""
 
-    ears: Vector
+    ears: Floats
     """places (m) of the left and the right ear, shape (2, 3)"""
-    axis: Vector
+    axis: Floats
     """direction from the right to the left ear, length 1"""
-    source: Point
+    source: Vector
     """place (m) of the source"""
     arms: Arms
     """angles (rad)"""
 
-    def distances(self) -> Vector:
+    def distances(self) -> Floats:
         """Return the distances (m) of the source from the left and the right ear."""
-        away: Vector = np.linalg.norm(self.source - self.ears, axis=1)
+        away: Floats = np.linalg.norm(self.source - self.ears, axis=1)
         return away
 
-    def shadows(self) -> Vector:
+    def shadows(self) -> Floats:
         """Return the strength of the head shadow for both ears: 0 for a source on their side, SHADOW for the other."""
         along = (self.source - self.ears) @ self.axis * (1.0, -1.0)
-        shadows: Vector = SHADOW * ((1 - along / np.maximum(self.distances(), 1e-9)) / 2) ** 2
+        shadows: Floats = SHADOW * ((1 - along / np.maximum(self.distances(), 1e-9)) / 2) ** 2
         return shadows
 
 
-def hearing(head: Rotation, arms: Arms, source: Point, robot: RobotData = ROBOT) -> Hearing:
+def hearing(head: Rotation, arms: Arms, source: Vector, robot: RobotData = ROBOT) -> Hearing:
     """Return ears, source and arms for a head of this orientation (rows of its matrix)."""
     _, axis, up = np.array(head).T
     middle, half = up * robot.head.centre_height, axis * SIZES.ear_baseline / 2
@@ -213,41 +215,36 @@ class Ears:
             noise: root mean square of the microphones' noise.
             seed: makes the noise repeatable.
         """
-        self._steps_per_turn, self._noise = Gear(robot.drive).steps_per_turn, noise
+        self._noise = noise
+        self._steps = Gear(robot.drive).steps_per_turn / math.tau * RATE / BLOCK
+        """microsteps per second of an arm that turns by 1 rad in a block"""
         self._random = np.random.default_rng(seed)
         self._last: Hearing | None = None
-        self._rates = SILENT
-        self._phases: Vector = np.zeros(3)
+        self._rates = np.zeros(3)
+        """microsteps per second of each arm during the last block"""
+        self._phases: Floats = np.zeros(3)
 
     def restart(self) -> None:
         """Forget where the last block ended, after a pause."""
-        self._last, self._rates = None, SILENT
+        self._last, self._rates = None, np.zeros(3)
 
-    def block(self, now: Hearing, signal: Signal | None, began: float) -> Samples:
+    def block(self, now: Hearing, sound: PlayingSound | None, begin_s: float) -> Samples:
         """Return the next BLOCK frames, shape (BLOCK, 2), which end with `now`.
 
-        `signal` is the sound of the source, None for silence; `began` is the number of the sample (may be a fraction)
-        that the source emits at the first frame.
+        `sound` is that of the source, None for silence; `begin_s` is the time of the first frame, by the monotonic clock.
         """
         last, self._last = self._last or now, now
         heard = self._random.standard_normal((2, BLOCK), dtype=np.float32)
         heard *= self._noise
-        if signal is not None:
+        if sound is not None:
             ways = zip(last.distances(), now.distances(), last.shadows(), now.shadows(), strict=True)
             for ear, (far, away, shade, shadow) in enumerate(ways):
-                heard[ear] += heard_by(signal, began, (far, away), (shade, shadow))
-        before, self._rates = self._rates, self._step_rates(last.arms, now.arms)
-        if before != SILENT or self._rates != SILENT:
-            heard += self._motors(np.array(before), np.array(self._rates))
+                heard[ear] += heard_by(sound, begin_s, (far, away), (shade, shadow))
+        before, self._rates = self._rates, np.abs(np.subtract(now.arms, last.arms)) * self._steps
+        heard += self._motors(before, self._rates)
         return heard.T
 
-    def _step_rates(self, last: Arms, now: Arms) -> Arms:
-        """Return the microsteps per second of each arm during a block."""
-        scale = self._steps_per_turn / math.tau * RATE / BLOCK
-        x, y, z = (abs(after - before) * scale for after, before in zip(now, last, strict=True))
-        return SILENT if max(x, y, z) < STILL_HZ else (x, y, z)
-
-    def _motors(self, before: Vector, after: Vector) -> Samples:
+    def _motors(self, before: Floats, after: Floats) -> Samples:
         """Return the sound of the motors: a tone with the frequency of each motor's steps, and the rattle of gears."""
         at = (NUMBERS + 1) / BLOCK
         rates = before + (after - before) * at[:, None]
@@ -261,61 +258,33 @@ class Ears:
 
 
 def heard_by(
-    signal: Signal, began: float, distances: tuple[float, float], shadows: tuple[float, float]
-) -> Samples:
+    sound: PlayingSound, begin_s: float, distances: tuple[float, float], shadows: tuple[float, float]
+) -> Floats:
     """Return what one ear hears in a block; distances (m) and shadows are those at its begin and its end."""
-    away = distances[0] + (distances[1] - distances[0]) * NUMBERS / BLOCK
-    places = began + NUMBERS - away * (RATE / SOUND)
-    floor = np.floor(places)
-    whole = floor.astype(np.int64)
-    first, last = int(whole.min()) - BEFORE, int(whole.max()) + TAPS - BEFORE
-    emitted = signal(first - _REACH, last - first + 2 * _REACH)
-    clear = emitted[_REACH:-_REACH]
-    strength = np.linspace(shadows[0], shadows[1], len(clear), dtype=np.float32)
-    mixed = clear + strength * (np.convolve(emitted, SHADE, "valid") - clear)
-    windows = as_strided(mixed, (len(mixed) - TAPS + 1, TAPS), mixed.strides * 2)
-    rows = windows.take(whole - (first + BEFORE), axis=0)
-    kernels = SINCS.take(((places - floor) * PHASES + 0.5).astype(np.int64), axis=0)
-    heard: Samples = (np.einsum("ij,ij->i", rows, kernels) / np.maximum(away, NEAREST)).astype(np.float32)
+    away, shadow = (first + (last - first) * NUMBERS / BLOCK for first, last in (distances, shadows))
+    clear, shaded = sound.emitted((begin_s - sound.began_s - away / SOUND) * RATE + NUMBERS)
+    heard: Floats = (clear + shadow * (shaded - clear)) / np.maximum(away, NEAREST)
     return heard
 
 
-class SimulatedSound:
-    """What both ears hear, as a `SensorSource`."""
+class SimulatedSound(TimedSound):
+    """What both ears hear."""
 
-    name: Final = "simulation"
+    name = "simulation"
 
     def __init__(
         self, robot: RobotData, hearing: Callable[[], Hearing], playing: Callable[[], PlayingSound | None]
     ) -> None:
+        super().__init__()
         self._hearing, self._playing = hearing, playing
-        self._ears, self._clock = Ears(robot), BlockClock()
+        self._ears, self._due_ns = Ears(robot), 0
 
-    def trouble(self) -> str:
-        """Return an empty text: simulated ears are always present."""
-        return ""
-
-    def open(self) -> None:
-        """Restart the clock and the echo."""
-        self._clock.restart()
-        self._ears.restart()
-
-    def next(self, timeout_s: float) -> SensorFrame | None:
-        """Wait for the next block and return it; None if it is complete after `timeout_s`."""
-        dropped = self._clock.dropped
-        begin_ns = self._clock.wait(timeout_s)
-        if begin_ns is None:
-            return None
-        if self._clock.dropped != dropped:
+    def pcm(self, begin_ns: int) -> bytes:
+        """Return what is heard in the block that began at this time."""
+        if begin_ns != self._due_ns:
             self._ears.restart()
-        sound = self._playing()
-        began = 0.0 if sound is None else (begin_ns / 1e9 - sound.began_s) * RATE
-        signal = None if sound is None else sound.emitted
-        pcm = to_pcm(self._ears.block(self._hearing(), signal, began))
-        return sound_block(pcm, begin_ns, self.name, self._clock.dropped)
-
-    def close(self) -> None:
-        """Do nothing: there are no resources to free."""
+        self._due_ns = begin_ns + BLOCK_NS
+        return to_pcm(self._ears.block(self._hearing(), self._playing(), begin_ns / 1e9))
 
 
 def simulated_microphones(

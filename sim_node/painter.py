@@ -10,7 +10,8 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from sim_node.shapes import Point, Vector
+from beatrix_zenoh.body.surface import Floats
+from beatrix_zenoh.motion.rotation import Vector
 from sim_node.visuals import COLLISION
 
 _WORLD: Final = 0
@@ -24,9 +25,9 @@ class SceneState:
 
     t_mono_ns: int
     """monotonic clock of this computer"""
-    posture: Vector
+    posture: Floats
     """joint positions, from `Plant.posture`"""
-    target: Point
+    target: Vector
     """place of the person's eyes"""
 
 
@@ -38,7 +39,7 @@ class PosedModel:
         self.data = mujoco.MjData(model)
         self._groups = model.geom_group.copy()
 
-    def pose(self, posture: Vector, target: Point | None = None) -> None:
+    def pose(self, posture: Floats, target: Vector | None = None) -> None:
         """Set the robot's joint positions (of `Plant.posture`) and the place of the person's eyes (m) if it is given.
 
         The person faces the neck's axis.

@@ -1,4 +1,4 @@
-"""Subprocesses of a simulation: programs of this package that communicate through pipes.
+"""Subprocesses of a simulation: programs of this package that receive scenes and send bytes through pipes.
 
 Subprocesses draw, because OpenGL drivers crash and hang, and because creating a context holds Python's global lock for
 0.1 s, which would delay a STOP.
@@ -8,26 +8,28 @@ from __future__ import annotations
 
 import contextlib
 import os
+import pickle
 import queue
+import signal
 import subprocess
 import sys
-import time
+from collections.abc import Iterator, Sequence
 from typing import Final
 
 import msgspec
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.contract._generated.robot import RobotData
+from sim_node.painter import SceneState
 
 NICE: Final = 5
 """Added to the niceness of a drawing process (POSIX): on a busy computer physics has priority."""
-READY: Final = b"ready\n"
-"""What a process writes first, when it can do its work."""
+READY: Final = b"ready"
+"""What a process sends first, when it can do its work."""
 OPENING_S: Final = 30.0
 """Longest time until then."""
 ENDING_S: Final = 2.0
 """Longest wait for the end of a killed process; a process that hangs in a kernel driver does not end."""
-_CHUNK: Final = 65536
 
 
 def environment() -> dict[str, str]:
@@ -38,10 +40,10 @@ def environment() -> dict[str, str]:
 
 
 class PipedProcess:
-    """A running program of this package. One thread writes and reads; any thread may call `close`."""
+    """A running program of this package. One thread asks and reads; any thread may call `close`."""
 
     def __init__(self, module: str, robot: RobotData, *words: str) -> None:
-        """Start `python -m module ROBOT *words`, with the robot as JSON; `ready` waits until it can do its work."""
+        """Start `python -m module ROBOT *words`, with the robot as JSON; `open` waits until it can do its work."""
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-m", module, msgspec.json.encode(robot).decode(), *words],
             stdin=subprocess.PIPE,
@@ -51,58 +53,77 @@ class PipedProcess:
         )
         assert self._process.stdin is not None
         self._in = self._process.stdin
-        self._chunks: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-        self._received = b""
+        self._replies: queue.SimpleQueue[bytes] = queue.SimpleQueue()
         threads.start(self._read_output, "pipe")
 
     def _read_output(self) -> None:
-        """Queue the output, and an empty chunk at its end; only this thread waits for output without a time limit."""
+        """Queue the replies, and an empty one at their end; only this thread waits for them without a time limit."""
         assert self._process.stdout is not None
-        with self._process.stdout as out:
-            while chunk := os.read(out.fileno(), _CHUNK):
-                self._chunks.put(chunk)
-        self._chunks.put(b"")
+        with self._process.stdout as out, contextlib.suppress(EOFError, pickle.UnpicklingError):
+            while True:
+                self._replies.put(pickle.load(out))  # noqa: S301 - of a program of this package
+        self._replies.put(b"")
 
-    def ready(self) -> bool:
-        """Wait until the process has written READY; return False if it ends before, or takes too long."""
+    def open(self) -> None:
+        """Wait until the process is ready; raises OSError if it cannot do its work on this computer, or is closed."""
         try:
-            return self.read(len(READY), OPENING_S) == READY
+            self.read(OPENING_S)
         except OSError:
-            return False
+            self.close()
+            raise
 
-    def write(self, data: bytes) -> None:
-        """Write to the process; raises OSError if it has ended. Blocks while the process hangs, until `close`."""
+    def ask(self, views: Sequence[str], state: SceneState) -> None:
+        """Send the scene, and the views to draw; raises OSError if the process has ended.
+
+        Blocks while the process hangs, until `close`.
+        """
         try:
-            self._in.write(data)
+            pickle.dump((views, state), self._in)
             self._in.flush()
         except ValueError as error:
             raise BrokenPipeError("the process was closed") from error
 
-    def read(self, count: int, limit_s: float) -> bytes:
-        """Read `count` bytes from the process; raises OSError if it ends, is closed, or takes longer than `limit_s`."""
-        deadline_s = time.monotonic() + limit_s
-        while len(self._received) < count:
-            self._receive(deadline_s)
-        data, self._received = self._received[:count], self._received[count:]
-        return data
-
-    def _receive(self, deadline_s: float) -> None:
+    def read(self, limit_s: float | None = None) -> bytes:
+        """Return the next reply; raises OSError if the process ends, is closed, or takes longer than `limit_s`."""
         try:
-            chunk = self._chunks.get(timeout=max(0.0, deadline_s - time.monotonic()))
+            reply = self._replies.get(timeout=limit_s)
         except queue.Empty as error:
             raise TimeoutError("the process hangs") from error
-        if not chunk:
-            self._chunks.put(b"")  # the next call must find the end, too
+        if not reply:
+            self._replies.put(b"")  # the next call must find the end, too
             raise BrokenPipeError("the process has ended")
-        self._received += chunk
+        return reply
 
     def close(self) -> None:
         """Kill the process, and end a waiting call of `read`; may be called twice."""
         self._process.kill()
-        self._chunks.put(b"")
+        self._replies.put(b"")
         try:
             self._process.wait(ENDING_S)
         except subprocess.TimeoutExpired:
             return
         with contextlib.suppress(OSError):  # raised if the process has not read all data
             self._in.close()
+
+
+def begin(words: Sequence[str]) -> RobotData:
+    """Prepare this process, which a simulation has started and will end, and return the robot of its words."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the simulation handles Ctrl-C
+    return msgspec.json.decode(words[0], type=RobotData)
+
+
+def reply(data: bytes) -> None:
+    """Send bytes to the simulation."""
+    pickle.dump(data, sys.stdout.buffer)
+    sys.stdout.buffer.flush()
+
+
+def requests() -> Iterator[tuple[Sequence[str], SceneState]]:
+    """Yield what the simulation asks, until it ends."""
+    with contextlib.suppress(EOFError):
+        yield pickle.load(sys.stdin.buffer)  # noqa: S301 - as below
+        # Only when the first is done, because a client waits for the first picture.
+        with contextlib.suppress(AttributeError, OSError):
+            os.nice(NICE)
+        while True:
+            yield pickle.load(sys.stdin.buffer)  # noqa: S301 - of the simulation

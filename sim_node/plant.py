@@ -126,7 +126,8 @@ class Plant:
         mujoco.set_mju_user_warning(_log.warning)
         self._robot = robot
         self._neck = Neck(robot.geometry)
-        self._drive = StepperDrive(robot.drive)
+        self.drive = StepperDrive(robot.drive)
+        """motors and gears, with their set points and slip"""
         self.re_placed = 0
         """Number of times that the neck was reassembled."""
         self.model = mechanics(robot).compile() if model is None else model
@@ -147,7 +148,7 @@ class Plant:
     def step(self, pulses: Counts, *, drivers_on: bool, count: int = 1) -> None:
         """Make `count` physics steps of TIMESTEP_MS towards `pulses`: microsteps of each motor since the board's start."""
         for left in range(count, 0, -1):
-            if self._drive.step(pulses, self._arms.tolist(), on=drivers_on):
+            if self.drive.step(pulses, self._arms.tolist(), on=drivers_on):
                 self._apply_drive()
             elif self.asleep:
                 if not np.count_nonzero(self._forces):  # quicker than `any`
@@ -205,21 +206,13 @@ class Plant:
         posture: npt.NDArray[np.float64] = self.data.qpos.copy()
         return posture
 
-    def set_points(self) -> Arms:
-        """Return the angles that the motors pull the arms to (rad): the counted steps minus the slip."""
-        return self._drive.set_points
-
-    def slipped(self) -> Counts:
-        """Return the full steps that each motor has slipped since the neck was straightened."""
-        return self._drive.slipped
-
     def home_assembly_left(self) -> bool:
         """Return whether the loop has snapped into another assembly, or the state contains NaN."""
         return not self._neck.in_home_assembly(self.arms(), self.rotation())
 
     def straighten(self) -> None:
         """Set the head upright and reset the slip, as a person does before calibrating."""
-        self._drive.set_home()
+        self.drive.set_home()
         self.place(_UPRIGHT)
 
     def place(self, arms: Arms) -> None:
@@ -244,7 +237,7 @@ class Plant:
         """Reassemble the neck at its set points, or upright if the head cannot be assembled with those."""
         self.re_placed += 1
         try:
-            self.place(self._drive.set_points)
+            self.place(self.drive.set_points)
         except BeatrixError:
             self.place(_UPRIGHT)
 
@@ -252,7 +245,7 @@ class Plant:
         """Return an independent plant in the same state."""
         # The model is copied, too, because switching the motors changes it.
         plant = Plant(self._robot, copy.copy(self.model))
-        plant._drive, plant.re_placed = copy.deepcopy(self._drive), self.re_placed
+        plant.drive, plant.re_placed = copy.deepcopy(self.drive), self.re_placed
         plant._until_check, plant._checks = self._until_check, self._checks
         mujoco.mj_copyData(plant.data, plant.model, self.data)
         # A new plant has its motors off, and a step changes the switch only when the board does.
@@ -263,8 +256,8 @@ class Plant:
         """Pass set points and motor switch to MuJoCo; wakes the neck."""
         self._checks = 0
         angles = self._pulled_to
-        angles[0], angles[1], angles[2] = self._drive.set_points
-        self._options.disableactuator = 0 if self._drive.on else _ALL_MOTORS
+        angles[0], angles[1], angles[2] = self.drive.set_points
+        self._options.disableactuator = 0 if self.drive.on else _ALL_MOTORS
 
 
 def _stride(addresses: Sequence[int]) -> slice:

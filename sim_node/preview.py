@@ -60,7 +60,7 @@ def simulate_motion(plant: Plant, firmware: Firmware, move: Move | MoveStraight)
                 f"This motion takes longer than {LONGEST_MS / 1000:.0f} s, the longest preview: "
                 "use a higher speed or a shorter motion.",
             )
-        run.advance(run.measure)
+        run.advance()
         run.sample()
         if plant.home_assembly_left():
             raise Refused(
@@ -76,14 +76,9 @@ class _MotionSimulation(VirtualTime):
     def __init__(self, plant: Plant, firmware: Firmware) -> None:
         super().__init__(plant, firmware)
         self._stopped_ms: int | None = None
-        self._tilt_max, self._gap_min = plant.tilt(), plant.gap()
         self._samples: list[tuple[int, Arms, Arms]] = []
+        self._tilt_max, self._gap_min = plant.tilt(), plant.gap()
         self.sample()
-
-    def measure(self) -> None:
-        """Record the largest tilt and the smallest gap."""
-        self._tilt_max = max(self._tilt_max, self.plant.tilt())
-        self._gap_min = min(self._gap_min, self.plant.gap())
 
     def at_rest(self) -> bool:
         """Return whether the firmware has made its last step, and the arms rest or _SETTLE_MS have passed since."""
@@ -118,7 +113,9 @@ class _MotionSimulation(VirtualTime):
         )
 
     def sample(self) -> None:
-        """Record where arms and head are."""
+        """Record where arms and head are, the largest tilt and the smallest gap."""
+        self._tilt_max = max(self._tilt_max, self.plant.tilt())
+        self._gap_min = min(self._gap_min, self.plant.gap())
         self._samples.append((self.now_ms, self.plant.arms(), self.plant.head()))
 
 

@@ -11,14 +11,14 @@ import numpy as np
 from beatrix_zenoh.bus import query_forms
 from beatrix_zenoh.bus.query_forms import RawQuery
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Detail, Reason, SoundQuery, SoundReply
-from beatrix_zenoh.contract.errors import BeatrixError, Refused, quoted
+from beatrix_zenoh.contract._generated.messages import SoundQuery, SoundReply
+from beatrix_zenoh.contract.errors import BeatrixError, quoted
 from beatrix_zenoh.contract.refusals import bad_field
+from beatrix_zenoh.motion.rotation import Vector
 from beatrix_zenoh.node import QueryThread
 from beatrix_zenoh.node.sensors import FULL_SCALE, RATE
-from sim_node.hearing import GENERATORS, PlayingSound, Samples, generated
-from sim_node.shapes import Point
-from sim_node.target import BOUNDS, check_room, refused, told
+from sim_node.hearing import GENERATORS, PlayingSound, Samples, finer, generated
+from sim_node.target import BOUNDS, check_range, check_room, refused, told
 
 SILENCE, SAMPLES = "silence", "samples"
 NAMES: Final = (*GENERATORS, SAMPLES, SILENCE)
@@ -36,7 +36,7 @@ MOUTH_BELOW_EYES: Final = 0.079
 class SoundSource:
     """The source of sound of a room; any thread may read it, and one changes it."""
 
-    def __init__(self, person: Callable[[], Point], clock_s: Callable[[], float]) -> None:
+    def __init__(self, person: Callable[[], Vector], clock_s: Callable[[], float]) -> None:
         """Store the arguments.
 
         Args:
@@ -44,11 +44,11 @@ class SoundSource:
             clock_s: the monotonic clock (s).
         """
         self._person, self._clock_s = person, clock_s
-        self._place: Point | None = None
+        self._place: Vector | None = None
         """m; None: the mouth of the person"""
         self._playing: PlayingSound | None = None
 
-    def place(self, eyes: Point) -> Point:
+    def place(self, eyes: Vector) -> Vector:
         """Return the place (m) of the source while the person's eyes are at `eyes`."""
         return self._place or (eyes[0], eyes[1], eyes[2] - MOUTH_BELOW_EYES)
 
@@ -77,10 +77,10 @@ class SoundSource:
         if query.play not in NAMES:
             text = f"There is no sound {quoted(query.play)}. Choose one of {', '.join(NAMES)}."
             raise bad_field("play", text, NAMES)
-        if not 0 <= query.seconds <= SECONDS_MAX:
-            text = f"A sound cannot last {query.seconds:g} s; more than 0 and at most {SECONDS_MAX:g} s are allowed."
-            detail = Detail(field="seconds", value=query.seconds, low=0.0, high=SECONDS_MAX, unit="s")
-            raise Refused(Reason.BAD_VALUE, text, detail)
+        text = (
+            f"A sound cannot last {query.seconds:g} s; more than 0 and at most {SECONDS_MAX:g} s are allowed."
+        )
+        check_range("seconds", query.seconds, 0.0, SECONDS_MAX, "s", text)
         if query.play == SILENCE:
             return None
         seconds = query.seconds or SECONDS
@@ -88,7 +88,7 @@ class SoundSource:
             if samples is None:
                 text = f"Sound of your own is the attachment of the query: int16, mono, {RATE} Hz, at most {SAMPLES_MAX_S:g} s."
                 raise bad_field("play", text)
-            seconds = query.seconds or len(samples) / RATE
+            seconds, samples = query.seconds or len(samples) / RATE, finer(samples)
         else:
             samples = generated(query.play)
         return PlayingSound(query.play, self._clock_s(), seconds, samples)
@@ -113,7 +113,7 @@ class SoundSource:
         )
 
 
-def place_of(query: SoundQuery) -> Point | None:
+def place_of(query: SoundQuery) -> Vector | None:
     """Return the place (m) in a query, None if there is none; raises Refused (BAD_VALUE)."""
     x, y, z = query.x, query.y, query.z
     if (x, y, z) == (None, None, None):
@@ -128,13 +128,11 @@ def place_of(query: SoundQuery) -> Point | None:
     place = x, y, z
     check_room(place, "The sound cannot come from")
     away = math.hypot(*place)
-    if away < NEAREST:
-        raise Refused(
-            Reason.BAD_VALUE,
-            f"The sound would come from inside the head, {away:.2f} m from the neck's centre; at least {NEAREST:.2f} m "
-            "is allowed.",
-            Detail(field="x", value=away, low=NEAREST, unit="m"),
-        )
+    text = (
+        f"The sound would come from inside the head, {away:.2f} m from the neck's centre; at least {NEAREST:.2f} m is "
+        "allowed."
+    )
+    check_range("x", away, NEAREST, None, "m", text)
     return place
 
 

@@ -1,4 +1,7 @@
-"""The place of the person in the scene: on a predefined path, or set by a client."""
+"""The place of the person in the scene: on a predefined path, or set by a client.
+
+Places are in m from the neck centre: x forward, y left, z up.
+"""
 
 from __future__ import annotations
 
@@ -13,14 +16,14 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Detail, Reason, TargetQuery, TargetReply
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, quoted
 from beatrix_zenoh.contract.refusals import bad_field
+from beatrix_zenoh.motion.rotation import Vector
 from beatrix_zenoh.node import QueryThread
-from sim_node.shapes import Point
 
 BOUNDS: Final = {"x": (-1.9, 2.3), "y": (-2.0, 2.0), "z": (-0.6, 1.1)}
 """Allowed place of the person's eyes (m): inside the room."""
 NEAREST: Final = 0.35
 """Smallest allowed distance (m) of the person's eyes from the neck's axis, so that person and robot do not overlap."""
-HOME: Final[Point] = (1.15, 0.0, 0.16)
+HOME: Final[Vector] = (1.15, 0.0, 0.16)
 """The middle between the person's eyes at the start: behind the desk, in front of the robot, as in the model."""
 PERIOD_S: Final = 12.0
 """Period of a path, unless a client chooses one."""
@@ -38,7 +41,7 @@ class TargetPath(StrEnum):
     CIRCLE = "circle"
 
 
-def on_path(path: TargetPath, t_s: float, period_s: float = PERIOD_S) -> Point:
+def on_path(path: TargetPath, t_s: float, period_s: float = PERIOD_S) -> Vector:
     """Return the place (m) of the person's eyes `t_s` after the start; every path begins at HOME."""
     x, z = HOME[0], HOME[2]
     turn = math.tau * t_s / period_s
@@ -52,28 +55,25 @@ def on_path(path: TargetPath, t_s: float, period_s: float = PERIOD_S) -> Point:
             return HOME
 
 
-def check_room(place: Point, what: str) -> None:
+def check_range(field: str, value: float, low: float, high: float | None, unit: str, text: str) -> None:
+    """Raise Refused (BAD_VALUE) with a sentence for a value of a query below `low` or above `high`."""
+    if not low <= value <= (math.inf if high is None else high):
+        raise Refused(Reason.BAD_VALUE, text, Detail(field=field, value=value, low=low, high=high, unit=unit))
+
+
+def check_room(place: Vector, what: str) -> None:
     """Raise Refused (BAD_VALUE) for a place outside the room; `what` begins the sentence."""
     for (field, (low, high)), value in zip(BOUNDS.items(), place, strict=True):
-        if not low <= value <= high:
-            raise Refused(
-                Reason.BAD_VALUE,
-                f"{what} {field} = {value:.2f} m; the room allows {low:.1f} to {high:.1f} m.",
-                Detail(field=field, value=value, low=low, high=high, unit="m"),
-            )
+        text = f"{what} {field} = {value:.2f} m; the room allows {low:.1f} to {high:.1f} m."
+        check_range(field, value, low, high, "m", text)
 
 
-def check(place: Point) -> None:
+def check(place: Vector) -> None:
     """Raise Refused (BAD_VALUE) for a place of the person outside the room or inside the robot."""
     check_room(place, "The person cannot be at")
     away = math.hypot(place[0], place[1])
-    if away < NEAREST:
-        raise Refused(
-            Reason.BAD_VALUE,
-            f"The person would be {away:.2f} m from the neck's axis; at least {NEAREST:.2f} m is allowed. "
-            "Choose x and y further away.",
-            Detail(field="x", value=away, low=NEAREST, unit="m"),
-        )
+    text = f"The person would be {away:.2f} m from the neck's axis; at least {NEAREST:.2f} m is allowed."
+    check_range("x", away, NEAREST, None, "m", text)
 
 
 class PersonTarget:
@@ -81,14 +81,14 @@ class PersonTarget:
 
     def __init__(self, path: TargetPath, start_s: float) -> None:
         self._walk = path, start_s, PERIOD_S
-        self._set: Point | None = None
+        self._set: Vector | None = None
 
-    def place(self, t_s: float) -> Point:
+    def place(self, t_s: float) -> Vector:
         """Return the place (m) of the person's eyes at this time (s, the clock of `start_s`)."""
         chosen, (path, start_s, period_s) = self._set, self._walk
         return on_path(path, t_s - start_s, period_s) if chosen is None else chosen
 
-    def move(self, place: Point) -> None:
+    def move(self, place: Vector) -> None:
         """Set the place of the person's eyes (m), which ends the path; raises the errors of `check`."""
         check(place)
         self._set = place
@@ -99,12 +99,8 @@ class PersonTarget:
             text = f"There is no path {quoted(path)} for the person. Choose {', '.join(TargetPath)}."
             raise bad_field("path", text, list(TargetPath))
         low, high = PERIODS_S
-        if not low <= period_s <= high:
-            raise Refused(
-                Reason.BAD_VALUE,
-                f"A period of {period_s:g} s is not possible: give {low:g} to {high:g} s.",
-                Detail(field="period_s", value=period_s, low=low, high=high, unit="s"),
-            )
+        text = f"A period of {period_s:g} s is not possible: give {low:g} to {high:g} s."
+        check_range("period_s", period_s, low, high, "s", text)
         self._walk, self._set = (TargetPath(path), start_s, period_s), None
 
 

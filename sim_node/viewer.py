@@ -5,17 +5,13 @@ It runs in a subprocess because it needs the main thread and a display, and cras
 
 from __future__ import annotations
 
-import contextlib
 import os
-import signal
 import sys
 import threading
 from collections.abc import Callable
 from typing import Final
 
-import msgspec
 import mujoco
-import numpy as np
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.body.figure import Figure, mechanism
@@ -26,8 +22,7 @@ from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.node import Component
 from sim_node.model import scene_spec
 from sim_node.painter import PosedModel, SceneState
-from sim_node.piped_process import NICE, READY, PipedProcess
-from sim_node.shapes import Vector
+from sim_node.piped_process import READY, PipedProcess, begin, reply, requests
 from sim_node.visuals import COLLISION, MATERIALS, add_meshes
 
 MECHANISM: Final = 4
@@ -47,13 +42,14 @@ class SceneViewer(Component):
     def __init__(self, robot: RobotData) -> None:
         """Open the window; raises Refused if that fails, usually because there is no display."""
         self._process = PipedProcess("sim_node.viewer", robot)
-        if not self._process.ready():
-            self._process.close()
+        try:
+            self._process.open()
+        except OSError as error:
             raise Refused(
                 Reason.BAD_VALUE,
                 "--view: no window can be opened, because there is no display or the display has no OpenGL. Omit "
                 "--view: the simulation and its eyes need no display.",
-            )
+            ) from error
         self.scene_state: Callable[[], SceneState] | None = None
         """returns the scene; the simulation sets it before `start`"""
         self._closed = threading.Event()
@@ -64,9 +60,9 @@ class SceneViewer(Component):
 
     def _run(self) -> None:
         while self.scene_state is not None and not self._closed.wait(PERIOD_S):
-            state = self.scene_state()
             try:
-                self._process.write(np.concatenate((state.posture, state.target)).tobytes())
+                self._process.ask((), self.scene_state())
+                self._process.read()  # a slow window gets fewer states, and never an old one
             except OSError:  # the user has closed the window
                 return
 
@@ -78,20 +74,8 @@ class SceneViewer(Component):
             self._thread.join(timeout=5.0)
 
 
-STDIN: Final = 0
-STDOUT: Final = 1
 _CAMERA: Final = ((0.12, 0.0, -0.04), 1.5, 142.0, -16.0)
 """Point that the camera looks at (m), its distance from that point (m), azimuth and elevation (deg)."""
-
-
-LONGEST: Final = 65536
-"""Largest input (bytes) that is read at once."""
-
-
-def newest(data: bytes, length: int) -> tuple[Vector | None, bytes]:
-    """Return the last whole state of `length` numbers in the input, None if there is none, and what follows it."""
-    whole = len(data) // (8 * length) * 8 * length
-    return (np.frombuffer(data[:whole])[-length:] if whole else None), data[whole:]
 
 
 def add_mechanism(spec: mujoco.MjSpec, robot: RobotData = ROBOT) -> None:
@@ -107,32 +91,29 @@ def show_through(model: mujoco.MjModel, *, through: bool) -> None:
 
 def main(words: list[str]) -> int:
     """Show the window until it is closed or the input ends; return the exit code."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the simulation handles Ctrl-C and ends this process
-    with contextlib.suppress(AttributeError, OSError):
-        os.nice(NICE)
+    robot = begin(words)
     os.environ.setdefault("LP_NUM_THREADS", "1")  # Mesa's software driver would use all cores
     import glfw  # noqa: PLC0415 - loads the display's libraries
     import mujoco.viewer  # noqa: PLC0415 - as above
 
     if not glfw.init():
         return 1
-    robot = msgspec.json.decode(words[0], type=RobotData)
     spec = scene_spec(robot)
     add_mechanism(spec, robot)
     posed = PosedModel(spec.compile())
-    data = b""
     with mujoco.viewer.launch_passive(
         posed.model, posed.data, show_left_ui=False, show_right_ui=False
     ) as viewer:
         viewer.cam.lookat, viewer.cam.distance, viewer.cam.azimuth, viewer.cam.elevation = _CAMERA
-        os.write(STDOUT, READY)
-        while viewer.is_running() and (received := os.read(STDIN, LONGEST)):
-            state, data = newest(data + received, posed.model.nq + 3)
+        reply(READY)
+        for _, state in requests():
             with viewer.lock():
                 show_through(posed.model, through=bool(viewer.opt.geomgroup[MECHANISM]))
-                if state is not None:
-                    posed.pose(state[:-3], (float(state[-3]), float(state[-2]), float(state[-1])))
+                posed.pose(state.posture, state.target)
             viewer.sync()
+            if not viewer.is_running():
+                break
+            reply(READY)
     return 0
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from beatrix_zenoh.board.link import Decoder, encode
 from beatrix_zenoh.board.virtual import Firmware
 from beatrix_zenoh.contract._generated.serial import (
@@ -36,15 +34,13 @@ class VirtualTime:
         self.firmware.receive(encode(kind, _SEQ_ASK, payload))
         self._read()
 
-    def advance(self, each: Callable[[], None] = lambda: None) -> None:
-        """Let CHUNK_MS pass; `each` is called after each physics step."""
+    def advance(self) -> None:
+        """Let CHUNK_MS pass."""
         if self.now_ms % HEARTBEAT_PERIOD == 0:
             self.firmware.receive(encode(FrameType.PING, _SEQ_PING, b""))
         self.firmware.tick(CHUNK_MS)
         for pulses, drivers_on, count in self.firmware.motors(CHUNK_MS, TIMESTEP_MS):
-            for _ in range(count):
-                self.plant.step(pulses, drivers_on=drivers_on)
-                each()
+            self.plant.step(pulses, drivers_on=drivers_on, count=count)
         self.now_ms += CHUNK_MS
         self._read()
 

@@ -65,7 +65,6 @@ def draw(view: View, size: tuple[int, int] | None, file: Path, part: str) -> Non
     for _ in range(5):
         QApplication.processEvents()
     panels.show_view(view)
-    panels.refusal.place()
     QApplication.processEvents()
     hint = panels.area.widget().minimumSizeHint()
     print(

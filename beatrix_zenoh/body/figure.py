@@ -235,7 +235,8 @@ def _base(model: Modeller, figure: Figure) -> None:
         if model.fine:
             flange = box * 1.01, 0.010
             model.cylinder("base", motor_at(azimuth, -0.132), UP, flange, COLOURS.metal, box=True)
-            # Few faces: X            model.tube("base", [motor_at(azimuth, -0.13), motor_at(azimuth, height)], 0.0025, COLOURS.metal)
+            shaft = [motor_at(azimuth, -0.13), motor_at(azimuth, height)]
+            model.tube("base", shaft, 0.0025, COLOURS.metal)
             size = pinion, SIZES.ring_thickness
             model.cylinder("base", motor_at(azimuth, height), UP, size, COLOURS.metal)
     if model.fine:

@@ -26,7 +26,7 @@ SHADES: Final = 24
 """Number of steps from black to the full colour."""
 OVERLAP_PX: Final = 0.7
 """By how much each face is enlarged, so that no ground shows between neighbours."""
-LIFT: Final = 0.006
+LIFT: Final = 0.007
 """By how much (m) the parts on the skull count as nearer when faces are sorted; the last ones twice as much."""
 HULL: Final = 60
 """Number of directions of an outline."""

@@ -28,7 +28,6 @@ FINENESS: Final = {"small": (12, 6), "large": (20, 12), "angular": (30, 14)}
 """Faces around and from bottom to top of ellipsoids; twice as many of fine ones."""
 TWIST: Final = 24
 """Pieces of a fine twisted rod."""
-HALVINGS: Final = 12
 INNER: Final = 0.88
 """Pitch radius of a ring gear's teeth, divided by its outer radius."""
 
@@ -98,10 +97,7 @@ def joined(path: str, surfaces: Sequence[Surface], *, cut: bool) -> Mesh:
         own, shown = surface.points, surface.faces
         for k, other in enumerate(surfaces if cut else ()):
             if k != index and other.contains is not None:
-                inside = other.contains(own)
-                if k < index:  # otherwise the other one covers what is left of the edge
-                    own = _moved_out(own, shown, inside, other.contains)
-                shown = shown[~inside[shown].all(axis=1)]
+                shown = shown[~other.contains(own)[shown].all(axis=1)]
         points.append(own)
         faces.append(shown + count)
         count += len(own)
@@ -115,26 +111,6 @@ def joined(path: str, surfaces: Sequence[Surface], *, cut: bool) -> Mesh:
         np.repeat(colours, sizes, axis=0),
         np.repeat(order, sizes),
     )
-
-
-def _moved_out(points: Floats, faces: Numbers, inside: Flags, contains: Callable[[Floats], Flags]) -> Floats:
-    """Move the points just inside a solid to its surface, along the edges that leave it."""
-    edges = np.concatenate([faces[:, [k, (k + 1) % 4]] for k in range(4)])
-    edges = np.concatenate((edges, edges[:, ::-1]))
-    edges = edges[inside[edges[:, 0]] & ~inside[edges[:, 1]]]
-    goal, count = np.zeros_like(points), np.zeros(len(points))
-    np.add.at(goal, edges[:, 0], points[edges[:, 1]])
-    np.add.at(count, edges[:, 0], 1.0)
-    moved = count > 0
-    start, way = points[moved], goal[moved] / count[moved, None] - points[moved]
-    low, high = np.zeros(len(start)), np.ones(len(start))
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        within = contains(start + way * middle[:, None])
-        low, high = np.where(within, middle, low), np.where(within, high, middle)
-    points = points.copy()
-    points[moved] = start + way * low[:, None]
-    return points
 
 
 class Modeller:

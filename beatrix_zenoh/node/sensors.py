@@ -24,10 +24,11 @@ from __future__ import annotations
 import logging
 import threading
 import time
+from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final, NamedTuple, Protocol
+from typing import Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -104,37 +105,6 @@ def to_pcm(samples: Samples) -> bytes:
     np.rint(scaled, out=scaled)
     np.clip(scaled, -FULL_SCALE, FULL_SCALE - 1, out=scaled)
     return scaled.astype("<i2", order="C").tobytes()
-
-
-class BlockClock:
-    """The times of blocks at exactly 50 a second, and the number of frames that were dropped after delays."""
-
-    def __init__(self) -> None:
-        self.dropped = 0
-        self._next_ns = 0
-
-    def restart(self) -> None:
-        """Begin the first block now."""
-        self._next_ns = time.monotonic_ns()
-
-    def wait(self, timeout_s: float) -> int | None:
-        """Wait until the next block is complete; return the monotonic time (ns) of its first frame.
-
-        None if it is complete only after `timeout_s`.
-        """
-        left_s = (self._next_ns + BLOCK_NS - time.monotonic_ns()) / 1e9
-        if left_s > timeout_s:
-            time.sleep(timeout_s)
-            return None
-        if left_s > 0:
-            time.sleep(left_s)
-        late = (time.monotonic_ns() - self._next_ns) // BLOCK_NS - 1
-        if late > BEHIND:
-            self.dropped += late * BLOCK
-            self._next_ns += late * BLOCK_NS
-        begin_ns = self._next_ns
-        self._next_ns += BLOCK_NS
-        return begin_ns
 
 
 @dataclass(frozen=True)
@@ -288,27 +258,57 @@ SILENT_S: Final = 3.0
 log = logging.getLogger(__name__)
 
 
-class SensorSource(Protocol):
+class SensorSource(ABC):
     """A camera, two microphones, what stands in for them, or simulated ones; used by one thread.
 
     `open` and `next` raise NoAnswer, with a message that says what to do, if there are no frames.
     """
 
-    @property
-    def name(self) -> str:
-        """Kind of source, as in the status."""
+    name: str
+    """Kind of source, as in the status."""
 
     def trouble(self) -> str:
         """Return why there can be no frame now, empty if no reason is known; quick, and does not open the source."""
+        return ""
 
+    @abstractmethod
     def open(self) -> None:
         """Start taking frames."""
 
+    @abstractmethod
     def next(self, timeout_s: float) -> SensorFrame | None:
         """Wait for the next frame and return it; None if none arrives within `timeout_s`."""
 
-    def close(self) -> None:
+    def close(self) -> None:  # noqa: B027 - most sources have nothing to free
         """Stop taking frames; may be called twice, and after `open` has failed."""
+
+
+class TimedSound(SensorSource):
+    """A source that makes blocks at exactly 50 a second, and counts the frames that were dropped after delays."""
+
+    def __init__(self) -> None:
+        self._next_ns = self._dropped = 0
+
+    def open(self) -> None:
+        """Begin the first block now."""
+        self._next_ns = time.monotonic_ns()
+
+    def next(self, timeout_s: float) -> SensorFrame | None:
+        """Wait until the next block is complete and return it; None if that is only after `timeout_s`."""
+        left_s = (self._next_ns + BLOCK_NS - time.monotonic_ns()) / 1e9
+        time.sleep(max(0.0, min(left_s, timeout_s)))
+        if left_s > timeout_s:
+            return None
+        late = (time.monotonic_ns() - self._next_ns) // BLOCK_NS - 1
+        if late > BEHIND:
+            self._dropped += late * BLOCK
+            self._next_ns += late * BLOCK_NS
+        begin_ns, self._next_ns = self._next_ns, self._next_ns + BLOCK_NS
+        return sound_block(self.pcm(begin_ns), begin_ns, self.name, self._dropped)
+
+    @abstractmethod
+    def pcm(self, begin_ns: int) -> bytes:
+        """Return the frames of the block that began at this monotonic time (ns), as `sound_block` has them."""
 
 
 class Sensor(Component):

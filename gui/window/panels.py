@@ -9,8 +9,7 @@ from PyQt5.QtCore import QEvent, QLocale, QObject, QPoint, QRect, Qt, pyqtSignal
 from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QTabWidget, QVBoxLayout, QWidget
 
-from beatrix_zenoh.contract.names import ARMS
-from gui.console.state.intents import ALL_ARMS, Choose, Tab, Theme, WindowPage
+from gui.console.state.intents import Choose, Tab, Theme, WindowPage
 from gui.console.state.views import HistoryRowView, RefusalView, View
 from gui.console.texts import Texts
 from gui.window.keys import KeySheet
@@ -100,7 +99,7 @@ class Panels(QWidget):
         self.pages, self.area = QWidget(), Scroll()
         self._lay_out()
         self.connect_sheet = self._add(ConnectSheet(texts, self.pages), lambda view: view.connect)
-        self.refusal = RefusalNotice(texts, self.pages, self._picture)
+        self.refusal = RefusalNotice(texts, self.pages)
         self.key_sheet = KeySheet(texts, self.pages)
         self._boxes = self.findChildren(ChoiceCheck)
         self._connect()
@@ -145,8 +144,6 @@ class Panels(QWidget):
         for notice in (self.refusal, self.stop_bar):
             notice.intent.connect(self.intent)
         self.header.keys_asked.connect(self.key_sheet.toggle)
-        self.history.row_chosen.connect(self.code.choose)
-        self.code.row_chosen.connect(self.history.choose)
         self.tabs.currentChanged.connect(self._report_tab)
 
     def _report_tab(self, number: int) -> None:
@@ -179,10 +176,10 @@ class Panels(QWidget):
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
         super().resizeEvent(event)
         self._arrange()
-        for overlay in (self.refusal, self.key_sheet, self.connect_sheet):
-            if overlay.isVisible():
-                overlay.place()
-        self._make_room()
+        for sheet in (self.key_sheet, self.connect_sheet):
+            if sheet.isVisible():
+                sheet.place()
+        self._show_notice()
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
@@ -220,32 +217,12 @@ class Panels(QWidget):
         self.stop_bar.show_last(last)
 
     def _show_notice(self) -> None:
-        shown = None if self.body.isHidden() else self._refusal
-        self.refusal.show_beside(shown, None if shown is None else self._control(shown.control))
-        self._make_room()
+        """Show the refusal, for which the head moves aside."""
+        self.refusal.show_over(self._picture(), None if self.body.isHidden() else self._refusal)
+        self.head3d.keep_clear(0 if self.refusal.isHidden() else self.refusal.width())
 
     def _picture(self) -> QRect:
         """Return the part of the middle that a refusal may cover: no control is there in the view of the head."""
-        shown: QWidget | None = self.tabs.currentWidget()
-        if shown is None:
-            return QRect()
+        shown = self.tabs.currentWidget()
         area = QRect(shown.mapTo(self.pages, QPoint(0, 0)), shown.size())
         return area.adjusted(0, 0, 0, -self.head3d.controls_height)
-
-    def _make_room(self) -> None:
-        """Let the head move aside for the refusal."""
-        notice, head = self.refusal, self.head3d
-        covered = QRect(head.mapFrom(self.pages, notice.pos()), notice.size())
-        if notice.isHidden():
-            head.keep_clear(0, 0)
-        elif covered.center().x() < head.rect().center().x():
-            head.keep_clear(covered.right() + 1, 0)
-        else:
-            head.keep_clear(0, head.width() - covered.left())
-
-    def _control(self, name: str) -> QWidget:
-        """Return the widget beside which a refusal is shown."""
-        if name in {*ARMS, ALL_ARMS}:
-            return self.arms.rows[name].hw
-        found: QWidget = self.sending if name == "head" else getattr(self, name)
-        return found

@@ -79,9 +79,7 @@ TEST_EYES: Final = tuple(CameraChoice(eye, PATTERN).sensor for eye in names.EYES
 def examples() -> str:
     """Return examples of values of --camera on this system."""
     usb = "/dev/v4l/by-path/…" if sys.platform.startswith("linux") else "0"
-    return (
-        f"left={usb} (a USB camera), left=pattern (a test picture), or left=file:PATH (pictures or a video)"
-    )
+    return f"left={usb} (a USB camera), left=pattern (a test picture), or left=file:PATH (pictures)"
 
 
 def choices(words: Sequence[str]) -> list[CameraChoice]:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.node import SensorFrame, picture
+from beatrix_zenoh.node.sensors import SensorSource
 from hw_node.cameras import jpeg
 from hw_node.cameras.jpeg import HEIGHT, HZ, WIDTH
 
@@ -53,10 +54,10 @@ def library() -> ModuleType:
     return module
 
 
-class OpenCvCamera:
+class OpenCvCamera(SensorSource):
     """A USB camera; all calls come from one thread, as Windows requires, and may block it while a driver hangs."""
 
-    name: Final = "opencv"
+    name = "opencv"
 
     def __init__(self, device: str, opencv: ModuleType) -> None:
         """`device`: a path or a number."""
@@ -116,7 +117,7 @@ class OpenCvCamera:
             encoded = simplejpeg.encode_jpeg(pixels, QUALITY, colorspace="BGR", colorsubsampling="420")
         else:
             encoded = jpeg.complete(pixels.tobytes())
-            width, height = jpeg.size(encoded)
+            height, width, *_ = simplejpeg.decode_jpeg_header(encoded)
         self._delivered = True
         exposed_ns = round(self._capture.get(self._opencv.CAP_PROP_POS_MSEC) * 1e6)
         t_mono_ns = exposed_ns if now_ns - AGE_NS < exposed_ns < now_ns else now_ns

@@ -1,4 +1,4 @@
-"""Pictures without a camera: a test picture with number and time, or pictures and videos from files."""
+"""Pictures without a camera: a test picture with number and time, or pictures from files."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer
 from beatrix_zenoh.node import SensorFrame, picture
+from beatrix_zenoh.node.sensors import SensorSource
 from hw_node.cameras import jpeg
 from hw_node.cameras.jpeg import HEIGHT, HZ, WIDTH
 
@@ -32,15 +33,10 @@ BARS: Final = np.array([(k & 2, k & 4, k & 1) for k in (7, 6, 5, 4, 3, 2, 1)], b
 """Colours of the bars above, from white to blue; the right eye has them in reverse order."""
 
 
-class TimedPictures:
+class TimedPictures(SensorSource):
     """A source that makes pictures at a constant rate."""
 
-    name: str
     _due_s, _period_s = 0.0, 1 / HZ
-
-    def trouble(self) -> str:
-        """Return an empty text: the pictures are always there."""
-        return ""
 
     def open(self) -> None:
         """Begin with the first picture now."""
@@ -59,9 +55,6 @@ class TimedPictures:
     @abstractmethod
     def picture(self, t_mono_ns: int) -> SensorFrame:
         """Return the picture of this time; raises NoAnswer if there is none."""
-
-    def close(self) -> None:
-        """Free what the pictures need."""
 
 
 class Pattern(TimedPictures):
@@ -100,25 +93,17 @@ def _value(row: Pixels) -> int:
 
 
 PICTURES: Final = (".jpg", ".jpeg")
-VIDEOS: Final = (".avi", ".mjpeg", ".mjpg")
-KINDS: Final = f"a folder of {' or '.join(PICTURES)} files, or a video in motion JPEG ({', '.join(VIDEOS)})"
-HZ_MAX: Final = 60.0
-PERIOD: Final = slice(32, 36)
-"""Where an AVI file has the time (microseconds) between two pictures."""
+KINDS: Final = f"a folder of {' or '.join(PICTURES)} files, or one such file"
 
 
 class PictureFiles(TimedPictures):
-    """The pictures of a folder in the order of their names, or those of a video, or one picture.
-
-    They are repeated, and not encoded again. The rate is 30 pictures a second, or that of an AVI video, at most HZ_MAX.
-    """
+    """The pictures of a folder in the order of their names, or one picture: repeated, 30 a second, not encoded again."""
 
     name = "file"
 
     def __init__(self, path: Path) -> None:
-        self._path = path
-        self._pictures: Sequence[Path | bytes] = ()
-        self._next = 0
+        self._path, self._next = path, 0
+        self._pictures: Sequence[Path] = ()
 
     def trouble(self) -> str:
         """Return an error message if the path does not exist, else an empty text."""
@@ -126,40 +111,24 @@ class PictureFiles(TimedPictures):
 
     def open(self) -> None:
         """Find the pictures, and begin with the first one now."""
-        try:
-            self._find()
-        except (OSError, ValueError) as error:
-            raise self._unreadable(str(error)) from error
-        if not self._pictures:
-            raise self._unreadable("it contains no JPEG picture")
-        super().open()
-
-    def _find(self) -> None:
-        """Find the pictures, and their rate."""
+        self._pictures = [self._path]
         if self._path.is_dir():
             self._pictures = sorted(p for p in self._path.iterdir() if p.suffix.lower() in PICTURES)
-        elif self._path.suffix.lower() in PICTURES:
-            self._pictures = [self._path]
-        else:
-            video = self._path.read_bytes()
-            self._pictures = [video[begin:end] for begin, end in jpeg.split(video)]
-            if video.startswith(b"RIFF"):
-                self._period_s = max(1 / HZ_MAX, int.from_bytes(video[PERIOD], "little") / 1e6)
+        if not self._pictures:
+            raise self._unreadable(self._path, "it contains no JPEG picture")
+        super().open()
 
     def picture(self, t_mono_ns: int) -> SensorFrame:
         """Return the next picture."""
-        one = self._pictures[self._next % len(self._pictures)]
+        path = self._pictures[self._next % len(self._pictures)]
         self._next += 1
         try:
-            whole = jpeg.complete(one.read_bytes() if isinstance(one, Path) else one)
-            width, height = jpeg.size(whole)
+            whole = jpeg.complete(path.read_bytes())
+            height, width, *_ = simplejpeg.decode_jpeg_header(whole)
         except (OSError, ValueError) as error:
-            raise self._unreadable(f"{one if isinstance(one, Path) else 'a picture'}: {error}") from error
+            raise self._unreadable(path, str(error)) from error
         return picture(whole, width, height, t_mono_ns, self.name)
 
-    def _unreadable(self, why: str) -> NoAnswer:
-        return NoAnswer(Reason.BAD_VALUE, f"{self._path} cannot be shown: {why}. Name {KINDS}.")
-
-    def close(self) -> None:
-        """Forget the pictures."""
-        self._pictures = ()
+    @staticmethod
+    def _unreadable(path: Path, why: str) -> NoAnswer:
+        return NoAnswer(Reason.BAD_VALUE, f"{path} cannot be shown: {why}. Name {KINDS}.")

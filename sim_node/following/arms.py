@@ -8,7 +8,6 @@ from beatrix_zenoh.contract._generated.serial import Move, MoveStraight
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.node.access import Access
 from beatrix_zenoh.node.controller import MotionController
-from beatrix_zenoh.node.planner import tuple3
 from beatrix_zenoh.node.snapshot import Snapshot
 from sim_node.following.follower import Places, SetPoint, Step, advanced
 
@@ -41,9 +40,7 @@ class OwnArms:
     def measured(self) -> tuple[float, Places]:
         """Return a time (monotonic clock, s), and the measured places of arms and head then."""
         now = self._snapshot.positions()
-        head = now.head_measured or now.head
-        places = Places(tuple3(now.position), tuple3(now.velocity), (head.yaw, head.pitch, head.roll))
-        return now.t_mono_ns / 1e9, places
+        return now.t_mono_ns / 1e9, Places.of(now)
 
     def move(self, step: Step) -> None:
         """Begin a motion, unless it is the last one or the arms rest at its target.

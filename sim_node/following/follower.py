@@ -119,6 +119,12 @@ class Places(NamedTuple):
     velocity: Arms
     head: Arms
 
+    @classmethod
+    def of(cls, positions: Positions) -> Places:
+        """Return the places of a message."""
+        head = positions.head_measured or positions.head
+        return cls(tuple3(positions.position), tuple3(positions.velocity), (head.yaw, head.pitch, head.roll))
+
     def after(self, by_s: float) -> Places:
         """Return the places after `by_s` (s) at constant velocity; the head stays."""
         (x, y, z), (u, v, w) = self.arms, self.velocity
@@ -213,10 +219,8 @@ class HardwareSample(NamedTuple):
     @classmethod
     def of(cls, positions: Positions, arrived_s: float) -> HardwareSample:
         """Return the sample of a message."""
-        head = positions.head_measured or positions.head
         commanded = SetPoint(tuple3(positions.commanded), tuple3(positions.velocity))
-        places = Places(tuple3(positions.position), commanded.velocity, (head.yaw, head.pitch, head.roll))
-        return cls(arrived_s, positions.t_mono_ns / 1e9, commanded, places)
+        return cls(arrived_s, positions.t_mono_ns / 1e9, commanded, Places.of(positions))
 
 
 @dataclass(frozen=True)

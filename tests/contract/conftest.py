@@ -38,7 +38,7 @@ def body(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
             stage.mega(path)
             stage.hardware("bea", str(path), "--microphones", "tone")
         else:
-            sensors = [*TEST_EYES, lambda node: microphone_sensor(node, RepeatedSound("tone", tone))]
+            sensors = [*TEST_EYES, lambda node: microphone_sensor(node, RepeatedSound("tone", tone()))]
             stage.node("bea", VirtualHardware("bea", sensors=sensors))
         yield Body(kind, stage, "bea", "hw" if kind in ("in-process", "mega") else "sim")
 

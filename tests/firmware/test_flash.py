@@ -20,9 +20,11 @@ from rich.progress import Progress
 
 from beatrix_zenoh import NoAnswer
 from beatrix_zenoh.board.link import Decoder, encode
+from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import CONTRACT, FrameType, HelloReply
 from beatrix_zenoh.contract.errors import WrongUsage
 from hw_node import flash, stk500
+from hw_node.port import SerialPort
 from hw_node.stk500 import ERASE, FLASH, LEAVE, PAGE, PROGRAM, READ, SIGN_ON, SPI
 
 IMAGE = flash.read_hex(flash.SHIPPED)
@@ -34,7 +36,7 @@ Fault = Callable[[bytes], bytes]
 """Function that changes a message to the board, or raises."""
 
 
-class BenchWire:
+class BenchWire(SerialPort):
     """Serial line of the simulated board, in virtual time; can damage bytes in both directions.
 
     `spoil` is the probability that received bytes are damaged.
@@ -52,9 +54,9 @@ class BenchWire:
         self.avr.byte_cycles = round(160_000_000 / stk500.BAUD)
         self.avr.receive()
 
-    def write(self, data: bytes) -> object:
+    def write(self, data: bytes) -> bytes:
         self.avr.deliver(self._meet(data[5], data))
-        return None
+        return b""
 
     def _meet(self, command: int, data: bytes) -> bytes:
         self._left -= command == self._at
@@ -100,8 +102,13 @@ def change(data: bytes) -> bytes:
 
 def put(wire: BenchWire) -> list[tuple[str, bool]]:
     """Flash the image as `flash.flash` does, without the search for a port; return the steps, and if they are done."""
-    with flash.report_board_state() as now, Progress(console=Console(file=StringIO())) as bar:
-        flash.program(wire, IMAGE, bar, now)
+    state = flash.UNTOUCHED
+    with Progress(console=Console(file=StringIO())) as bar:
+        try:
+            for now in flash.program(wire, IMAGE, bar):
+                state = now
+        except (NoAnswer, OSError) as error:
+            raise NoAnswer(Reason.BOARD_LOST, f"{error}. {state}") from error
     return [(task.description, task.completed == task.total == PAGES - 1) for task in bar.tasks]
 
 

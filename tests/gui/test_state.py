@@ -112,8 +112,7 @@ def test_without_a_checked_box_motion_buttons_are_disabled_with_a_reason() -> No
         assert not button.enabled
         same("state.without a checked box motion buttons are disabled with a reason", button.tooltip)
     assert state.handle(Jog("short", 1), world()) == []
-    refusal = present(state.view(world()).arms.refusal)
-    assert (refusal.control, "Check Simulation, Hardware or both" in refusal.text) == ("short", True)
+    assert "Check Simulation, Hardware or both" in present(state.view(world()).arms.refusal).text
     state.handle(Choose("sim", value=True), world())
     assert state.view(world()).arms.refusal is None
 

@@ -227,17 +227,15 @@ def test_a_refusal_covers_neither_a_control_nor_a_head(
     view, panels = example("refusal", Theme.LIGHT, "en"), window.panels
     assert view.head.refusal is not None
     kinds = (QAbstractButton, QAbstractSpinBox, QSlider, HeadPad)
-    for control in ("head", "short", "commands", "gestures"):
-        refused = replace(view.head, refusal=replace(view.head.refusal, control=control))
-        state.shown = replace(view, head=refused)
-        window.refresh()
-        notice = QRect(panels.refusal.mapTo(panels, QPoint(0, 0)), panels.refusal.size())
-        for other in (found for kind in kinds for found in panels.findChildren(kind)):
-            if other.isVisible() and not panels.refusal.isAncestorOf(other):
-                place = QRect(other.mapTo(panels, QPoint(0, 0)), other.size())
-                assert not notice.intersects(place), (control, other.accessibleName())
-        head = panels.head3d
-        for robot in filter(None, (view.head.sim, view.head.hw)):
-            for point in (SKULL, *EARS.values()):
-                x, y, _ = on_screen(head.screen3d, robot, point)
-                assert not notice.contains(head.mapTo(panels, QPoint(round(x), round(y)))), control
+    state.shown = view
+    window.refresh()
+    notice = QRect(panels.refusal.mapTo(panels, QPoint(0, 0)), panels.refusal.size())
+    for other in (found for kind in kinds for found in panels.findChildren(kind)):
+        if other.isVisible() and not panels.refusal.isAncestorOf(other):
+            place = QRect(other.mapTo(panels, QPoint(0, 0)), other.size())
+            assert not notice.intersects(place), other.accessibleName()
+    head = panels.head3d
+    for robot in filter(None, (view.head.sim, view.head.hw)):
+        for point in (SKULL, *EARS.values()):
+            x, y, _ = on_screen(head.screen3d, robot, point)
+            assert not notice.contains(head.mapTo(panels, QPoint(round(x), round(y))))

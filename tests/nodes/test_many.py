@@ -11,6 +11,7 @@ from shell import beatrix
 
 from beatrix_zenoh import Interrupted
 from beatrix_zenoh.contract._generated import keys
+from sim_node.app import chosen
 
 NAMES = ("ada", "bob", "cem")
 
@@ -75,6 +76,11 @@ def test_a_signal_ends_all_robots(alone: Stage) -> None:
         until(lambda: client.bus.robots() == [], "all robots are gone")
 
 
-@pytest.mark.parametrize("options", [("--name", "ada"), ("--legacy", "COM4"), ("--view",)])
+@pytest.mark.parametrize("options", [("--legacy", "COM4"), ("--view",)])
 def test_impossible_options_are_refused(options: tuple[str, ...]) -> None:
     assert beatrix("sim", "--name", "ada", "--name", "bob", *options).returncode == 2
+
+
+def test_a_robot_that_is_named_twice_is_simulated_once() -> None:
+    _, names = chosen(["ada", "bob", "ada"], None, None)
+    assert names == ["ada", "bob"]

@@ -17,7 +17,7 @@ from hw_node.body import VirtualHardware
 from hw_node.microphones import microphone_sensor
 
 
-class FakeDevice:
+class FakeDevice(sensors.SensorSource):
     """Microphones whose blocks come every 20 ms."""
 
     name = "device"
@@ -25,9 +25,6 @@ class FakeDevice:
     def __init__(self) -> None:
         self.opened = self.closed = 0
         self.error: Exception | None = None
-
-    def trouble(self) -> str:
-        return ""
 
     def open(self) -> None:
         self.opened += 1

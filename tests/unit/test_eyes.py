@@ -16,8 +16,10 @@ import pytest
 import simplejpeg
 from robots import ROOT
 
+from beatrix_zenoh.body.surface import Floats
 from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES
 from beatrix_zenoh.motion.kinematics import Neck
+from beatrix_zenoh.motion.rotation import Vector
 from sim_node import gl
 from sim_node import renderer as rendering
 from sim_node.eyes import SHARE, SLOWEST_S, FrameRate
@@ -26,14 +28,13 @@ from sim_node.model import eye_scene, scene_spec
 from sim_node.painter import Image, PosedModel, SceneState
 from sim_node.plant import Plant
 from sim_node.renderer import HEIGHT, WIDTH, Renderer, open_painter
-from sim_node.shapes import Point, Vector
 from sim_node.target import HOME
 from sim_node.visuals import VISUAL
 
 FOCUS = HEIGHT / 2 / math.tan(math.radians(ROBOT.head.eye_fov) / 2)
 """Focal length of the eyes (px)."""
 OBJECTS = ("cube", "cylinder", "ball", "pyramid", "books", "plant")
-NEAR: Point = (0.7, 0.0, 0.16)
+NEAR: Vector = (0.7, 0.0, 0.16)
 
 
 SCENE = scene_spec().compile()
@@ -41,9 +42,9 @@ PLACES = mujoco.MjData(SCENE)
 mujoco.mj_kinematics(SCENE, PLACES)
 
 
-def place_of(name: str) -> Vector:
+def place_of(name: str) -> Floats:
     """Return the place (m) of an object of the room, in the frame of the neck."""
-    place: Vector = PLACES.body(f"room/{name}").xpos
+    place: Floats = PLACES.body(f"room/{name}").xpos
     return place
 
 
@@ -80,7 +81,9 @@ def painter(backend: str) -> Iterator[GlPainter]:
 
 
 @pytest.mark.parametrize("place", [NEAR, HOME, (2.0, 0.3, 0.2)])
-def test_both_eyes_see_the_person_with_the_parallax_of_its_distance(painter: GlPainter, place: Point) -> None:
+def test_both_eyes_see_the_person_with_the_parallax_of_its_distance(
+    painter: GlPainter, place: Vector
+) -> None:
     painter.pose(posture(), place)
     left, right = (cap(painter.paint(f"eye_{eye}")) for eye in ("left", "right"))
     # The middle of the magenta parts is about 5 cm behind the person's eyes.

@@ -81,7 +81,7 @@ def test_head_and_loop_are_accurate_in_random_motions_at_full_speed(plant: Plant
         start = goal
         off = [abs(a - s) for a, s in zip(plant.arms(), GEAR.to_rad(GEAR.to_steps(goal)), strict=True)]
         assert math.degrees(max(off)) < 0.25
-    assert plant.slipped() == (0, 0, 0)
+    assert plant.drive.slipped == (0, 0, 0)
     assert not plant.home_assembly_left()
 
 
@@ -97,7 +97,7 @@ def test_a_push_above_the_motors_torque_loses_multiples_of_four_full_steps(plant
     hold_set_points(plant, HOME, 0.3)
     plant.data.body("head").xfrc_applied[5] = 0.0
     hold_set_points(plant, HOME, 0.5)
-    lost = plant.slipped()
+    lost = plant.drive.slipped
     assert all(steps % 4 == 0 and steps < 0 for steps in lost)
     assert not plant.home_assembly_left()
     turned = -lost[0] * math.radians(1.8) * 26 / 68
@@ -105,7 +105,7 @@ def test_a_push_above_the_motors_torque_loses_multiples_of_four_full_steps(plant
     assert angle_between(plant, NECK) < 0.02
     plant.straighten()
     assert plant.arms() == HOME
-    assert plant.slipped() == (0, 0, 0)
+    assert plant.drive.slipped == (0, 0, 0)
 
 
 def test_without_motors_a_tilted_head_sinks_and_the_loop_stays_closed(plant: Plant) -> None:
@@ -155,7 +155,7 @@ def let_sleep(plant: Plant, arms: Arms) -> None:
 def at_rest(plant: Plant) -> list[float]:
     """Return the state without the time, which passes while a plant sleeps."""
     data = plant.data
-    return [*data.qpos, *data.qvel, *data.qacc_warmstart, *plant.set_points(), *plant.slipped()]
+    return [*data.qpos, *data.qvel, *data.qacc_warmstart, *plant.drive.set_points, *plant.drive.slipped]
 
 
 def test_a_motion_after_a_sleep_is_bit_equal_to_one_without(plant: Plant) -> None:

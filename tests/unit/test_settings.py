@@ -44,9 +44,9 @@ def test_sensors_are_read_from_file_or_environment(tmp_path: Path, monkeypatch: 
     )
     assert resolve().cameras == ("left=pattern", "right=/dev/v4l/by-path/a")
     assert resolve().microphones == "USB Audio"
-    monkeypatch.setenv("BEATRIX_CAMERA_LEFT", "file:clip.avi")
+    monkeypatch.setenv("BEATRIX_CAMERA_LEFT", "file:pictures")
     monkeypatch.setenv("BEATRIX_MICROPHONES", "tone")
-    assert (resolve().cameras[0], resolve().microphones) == ("left=file:clip.avi", "tone")
+    assert (resolve().cameras[0], resolve().microphones) == ("left=file:pictures", "tone")
 
 
 @pytest.mark.parametrize("text", ["robot = 3\n", 'colour = "red"\n', "robot = \n"])

@@ -12,16 +12,15 @@ from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 from gui.console.state.actions import POSES, AskLease, MakeReady, Play, Send, SendCommand, SendStop
 from gui.console.state.memory import Request, sides_of
-from gui.console.state.views import CodeLine
 from gui.console.state.world import World
 
 
-def program(lines: Sequence[CodeLine], world: World, title: str) -> tuple[CodeLine, ...]:
-    """Return a whole program that runs these lines of `python` on the robot of the window.
+def program(lines: Sequence[str], world: World, title: str) -> str:
+    """Return the text of a whole program that runs these lines of `python` on the robot of the window.
 
     `title` is the docstring of the program. It names router and seat only if it would choose others by itself.
     """
-    calls = [line.text for line in lines if not line.text.startswith("#")]
+    calls = [line for line in lines if not line.startswith("#")]
     imports = ["from beatrix_zenoh import Twin"]
     if any(call.lstrip().startswith("play(") for call in calls):
         plays = {word for call in calls for word in ("ArmPose", "Choreography", "load") if f"{word}(" in call}
@@ -30,8 +29,8 @@ def program(lines: Sequence[CodeLine], world: World, title: str) -> tuple[CodeLi
     words += [f'connect="{world.endpoint}"'] if world.endpoint != DEFAULT_ENDPOINT else []
     words += [f'who="{world.who}"'] if world.who else []
     head = [f'"""{title}"""', "", *imports, "", f"with Twin({', '.join(words)}) as twin:"]
-    body = lines if calls else [*lines, CodeLine("pass")]
-    return (*map(CodeLine, head), *(CodeLine(f"    {line.text}", line.row) for line in body))
+    body = lines if calls else [*lines, "pass"]
+    return "\n".join((*head, *(f"    {line}" for line in body), ""))
 
 
 def python(request: Request, variable: str = "twin", *, once: bool = False) -> str:

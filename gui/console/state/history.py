@@ -21,7 +21,7 @@ from gui.console.state import actions, code_lines, other_seats
 from gui.console.state.actions import Govern, Outcome, Play, Send, SendStop
 from gui.console.state.memory import Memory, RequestRow
 from gui.console.state.refusals import reason_of, sentence, side_of, told_by
-from gui.console.state.views import CodeLine, CodeView, HistoryRowView
+from gui.console.state.views import HistoryRowView
 from gui.console.state.world import Trouble, World, news
 from gui.console.texts import Texts
 
@@ -269,19 +269,19 @@ def _number(value: float, texts: Texts, *, signed: bool = False) -> str:
 # -- the program so far -------------------------------------------------------------------------------
 
 
-def code_view(memory: Memory, world: World) -> CodeView:
-    """Return the program so far."""
+def code(memory: Memory, world: World) -> str:
+    """Return the program so far, as the text of a file."""
     made_from = (memory.rows, world.robot, world.endpoint, world.who, memory.choices.language)
     return memory.code.get(made_from, lambda: _program(memory, world))
 
 
-def _program(memory: Memory, world: World) -> CodeView:
+def _program(memory: Memory, world: World) -> str:
     texts = memory.choices.texts
     lines = [line for row in memory.rows for line in _lines(row, texts)]
-    return CodeView(code_lines.program(lines, world, texts("code.title", robot=world.robot)))
+    return code_lines.program(lines, world, texts("code.title", robot=world.robot))
 
 
-def _lines(row: RequestRow, texts: Texts) -> list[CodeLine]:
+def _lines(row: RequestRow, texts: Texts) -> list[str]:
     """Return the lines of one row; a request that did not do what was asked is a comment.
 
     A play that repeats always ends early, so its lines play it once.
@@ -293,7 +293,7 @@ def _lines(row: RequestRow, texts: Texts) -> list[CodeLine]:
     text, good = result(row, texts)
     repeated = isinstance(request, Play) and bool(request.again) and bool(row.accepted)
     if calls and (good is not False or repeated):
-        return [CodeLine(call, row.number) for call in calls]
+        return calls
     first, _, _ = text.partition(". ")
     comment = " ".join(f"# {what(row, texts)}: {first}".split())
-    return [CodeLine(comment.removesuffix("."), row.number)]
+    return [comment.removesuffix(".")]

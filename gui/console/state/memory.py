@@ -19,7 +19,7 @@ from gui.console.state import actions
 from gui.console.state.actions import NEW, Action, Outcome, Play, Send, SendStop
 from gui.console.state.intents import HeadOrientation, Intent
 from gui.console.state.saved import Choices, SavedPose
-from gui.console.state.views import CodeView, HistoryRowView
+from gui.console.state.views import HistoryRowView
 from gui.console.state.world import LinkPhase, Trouble, World, commanded, news, online
 
 T = TypeVar("T")
@@ -51,7 +51,7 @@ class RequestRow:
 
     request: Request
     control: str
-    """the control of the request, as in `RefusalView`"""
+    """the control of the request: `head`, `short`, `middle`, `long`, `all` or `commands`"""
     began_s: float
     """wall clock, since 1970; 0: unknown"""
     before: Mapping[str, ArmAngles]
@@ -162,7 +162,7 @@ class Memory:
     lease_notice: Notice | None = None
     """a sentence about a lease that this seat gained or lost; None: nothing new"""
     history: Kept[tuple[HistoryRowView, ...]] = field(default_factory=Kept)
-    code: Kept[CodeView] = field(default_factory=Kept)
+    code: Kept[str] = field(default_factory=Kept)
 
     def row(self, number: int) -> RequestRow | None:
         """Return the row of this number; None if the history no longer contains it."""

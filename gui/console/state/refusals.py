@@ -41,7 +41,7 @@ def at(memory: Memory, controls: tuple[str, ...]) -> RefusalView | None:
     if refusal is None or refusal.control not in controls:
         return None
     texts, sides = memory.choices.texts, () if refusal.request is None else sides_of_request(refusal.request)
-    return RefusalView(refusal.control, told_by(refusal.outcome, sides, texts), _button(refusal, texts))
+    return RefusalView(told_by(refusal.outcome, sides, texts), _button(refusal, texts))
 
 
 def told_by(outcome: Outcome, sides: tuple[str, ...], texts: Texts) -> str:

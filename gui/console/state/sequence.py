@@ -28,7 +28,7 @@ from gui.console.state.intents import (
 from gui.console.state.memory import Handles, Memory, RequestRow, begin, unreachable
 from gui.console.state.refusals import wrong_file
 from gui.console.state.saved import DURATION_MAX_S, SavedPose
-from gui.console.state.views import CardView, CodeLine, SequenceView, button
+from gui.console.state.views import CardView, SequenceView, button
 from gui.console.state.world import World, commanded, online
 from gui.console.texts import Texts
 
@@ -266,7 +266,7 @@ def program_of(memory: Memory, world: World, limits: LimitsData) -> str:
         *code_lines.python(play, "robot").splitlines(),
     ]
     title = texts("sequence.program_title", count=float(len(poses)), robot=world.robot)
-    return "\n".join(line.text for line in code_lines.program([*map(CodeLine, lines)], world, title)) + "\n"
+    return code_lines.program(lines, world, title)
 
 
 def _open(memory: Memory, world: World, intent: intents.OpenSequence) -> list[Action]:

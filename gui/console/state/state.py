@@ -89,7 +89,7 @@ class State:
             eyes=eyes.view(memory, world),
             sound=eyes.sound(memory, world),
             history=history.view(memory, world),
-            code=history.code_view(memory, world),
+            code=history.code(memory, world),
             record=commands.recording_view(memory, world),
             last=history.last(memory, world),
             last_detail=history.last_detail(memory, world),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import NamedTuple
 
 from beatrix_zenoh.client import Place
 from gui.console.state.intents import HeadOrientation, Intent
@@ -88,10 +87,8 @@ class BannerView:
 
 @dataclass(frozen=True)
 class RefusalView:
-    """A refusal, shown beside the control of the request."""
+    """A refusal, shown over the picture of the head."""
 
-    control: str
-    """`head`, `short`, `middle`, `long`, `all` or `commands`"""
     text: str
     alternative: ButtonView | None = None
 
@@ -204,26 +201,6 @@ class HistoryRowView:
     """whether it did not succeed because the user has replaced or aborted it, which is no error"""
     python: str = ""
     """the request as Python, usually one line, where `twin` is a `Twin`; empty: there is none"""
-
-
-class CodeLine(NamedTuple):
-    """One line of a program."""
-
-    text: str
-    row: int = 0
-    """number of the row of the history that the line sends; 0: none"""
-
-
-@dataclass(frozen=True)
-class CodeView:
-    """The program so far; its lines are a whole program."""
-
-    lines: tuple[CodeLine, ...] = ()
-
-    @property
-    def text(self) -> str:
-        """The program as the text of a file."""
-        return "\n".join(line.text for line in self.lines) + "\n"
 
 
 @dataclass(frozen=True)
@@ -435,7 +412,8 @@ class View:
     sound: SoundView
     history: tuple[HistoryRowView, ...]
     """newest first"""
-    code: CodeView
+    code: str
+    """the program so far, as the text of a file"""
     record: RecordView
     last: str
     """the last request with its outcome"""

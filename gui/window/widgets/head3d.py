@@ -60,7 +60,7 @@ class Head3d(TargetWidget):
         self._drag: Drag | None = None
         self._orbit: QPointF | None = None
         self._over: Part | None = None
-        self._covered = 0, 0
+        self._covered = 0
         self._live = QTimer(self)
         self._live.setInterval(LIVE_MS)
         self._live.timeout.connect(lambda: self.intent.emit(LiveHead()))
@@ -72,15 +72,13 @@ class Head3d(TargetWidget):
     def screen3d(self) -> Screen:
         """The camera and the size of the picture (px)."""
         plain = Screen(self.camera, self.width(), self.height())
-        half = min(HALF_WIDTH * plain.scale, (self.width() - sum(self._covered)) / 2)
-        least, most = self._covered[0] + half, self.width() - self._covered[1] - half
-        middle = self.width() / 2
-        return replace(plain, aside=max(least, min(most, middle)) - middle)
+        half = min(HALF_WIDTH * plain.scale, (self.width() - self._covered) / 2)
+        return replace(plain, aside=max(0.0, self._covered + half - self.width() / 2))
 
-    def keep_clear(self, left: int, right: int) -> None:
-        """Move the head aside if it is where a notice covers the picture, that far from its edges (px)."""
-        if (left, right) != self._covered and self._drag is None:  # not from under the mouse
-            self._covered = left, right
+    def keep_clear(self, left: int) -> None:
+        """Move the head aside if it is where a notice covers the picture, that far from its left edge (px)."""
+        if left != self._covered and self._drag is None:  # not from under the mouse
+            self._covered = left
             self.update()
 
     def look_from(self, camera: Viewpoint) -> None:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QSignalBlocker, Qt, pyqtSignal
-from PyQt5.QtGui import QColor, QFontDatabase, QGuiApplication
-from PyQt5.QtWidgets import QFileDialog, QListWidget, QListWidgetItem, QSizePolicy, QWidget
+from PyQt5.QtCore import QSignalBlocker, Qt
+from PyQt5.QtGui import QColor, QFontDatabase, QGuiApplication, QTextCursor
+from PyQt5.QtWidgets import QFileDialog, QListWidget, QListWidgetItem, QPlainTextEdit, QSizePolicy, QWidget
 
 from gui.console.state.actions import NEW, WriteFile
 from gui.console.state.intents import Repeat, Theme
-from gui.console.state.views import CodeLine, CodeView, HistoryRowView
+from gui.console.state.views import HistoryRowView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
 from gui.window.widgets.controls import (
@@ -17,6 +17,7 @@ from gui.window.widgets.controls import (
     in_column,
     in_row,
     label,
+    named,
     plain_button,
     set_role,
 )
@@ -26,15 +27,14 @@ from gui.window.widgets.files import FilePanel
 class HistoryPanel(Panel):
     """The list of requests, newest first."""
 
-    row_chosen = pyqtSignal(int)
-    """number of the row that the user has selected"""
-
     def __init__(self, texts: Texts) -> None:
         super().__init__()
         self._rows: tuple[HistoryRowView, ...] = ()
         self._style = style_of(Theme.DARK)
         self._hint = texts("label.history_hint")
-        self.list = rows_list(texts("label.history"))
+        self.list = named(QListWidget(), texts("label.history"), "")
+        self.list.setMinimumHeight(40)
+        self.list.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.empty = label(texts("label.history_empty"), "dim", wrap=True)
         self.details = label(wrap=True)
         """time, seat and result of the selected row"""
@@ -47,39 +47,28 @@ class HistoryPanel(Panel):
         in_column(self.empty, (self.list, 1), self.uses, gap=4, margins=(6, 6, 6, 6), inside=self)
         self.repeat.clicked.connect(self._repeat)
         self.python.clicked.connect(self._copy)
-        self.list.currentRowChanged.connect(self._report_row)
+        self.list.currentRowChanged.connect(self._show_buttons)
         self.list.itemActivated.connect(self._repeat)
         self._fill()
 
     def show_view(self, rows: tuple[HistoryRowView, ...]) -> None:
         """Show the rows; the selected one stays selected while it exists."""
-        if rows != self._rows:
-            chosen, self._rows = self._chosen(), rows
-            self._fill(chosen)
+        chosen, self._rows = self._chosen(), rows
+        self._fill(chosen)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours of a theme."""
         self._style = style_of(theme)
         self._fill(self._chosen())
 
-    def choose(self, number: int) -> None:
-        """Select the row of this number, unless it is no longer shown."""
-        select(self.list, [row.row == number >= 0 for row in self._rows])
-        self._show_buttons()
-
-    def _report_row(self) -> None:
-        self._show_buttons()
-        chosen = self._chosen()
-        if chosen is not None:
-            self.row_chosen.emit(chosen.row)
-
     def _fill(self, chosen: HistoryRowView | None = None) -> None:
+        same = None if chosen is None else (chosen.row, chosen.time, chosen.what)
         with QSignalBlocker(self.list):
             self.list.clear()
             for row in self._rows:
                 self.list.addItem(self._item(row))
-        same = None if chosen is None else (chosen.row, chosen.time, chosen.what)
-        select(self.list, [(row.row, row.time, row.what) == same for row in self._rows])
+            rows = [(row.row, row.time, row.what) for row in self._rows]
+            self.list.setCurrentRow(rows.index(same) if same in rows else -1)
         self.empty.setVisible(not self._rows)
         self.list.setVisible(bool(self._rows))
         self.uses.setVisible(bool(self._rows))
@@ -115,21 +104,6 @@ class HistoryPanel(Panel):
             copy(chosen.python)
 
 
-def rows_list(name: str) -> QListWidget:
-    """Return an empty list of rows."""
-    made = QListWidget()
-    made.setAccessibleName(name)
-    made.setMinimumHeight(40)
-    made.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-    return made
-
-
-def select(rows: QListWidget, wanted: list[bool]) -> None:
-    """Select the first wanted row, or none, without a signal."""
-    with QSignalBlocker(rows):
-        rows.setCurrentRow(wanted.index(True) if True in wanted else -1)
-
-
 def copy(text: str) -> None:
     """Put a text into the clipboard."""
     clipboard = QGuiApplication.clipboard()
@@ -142,51 +116,34 @@ def _details(row: HistoryRowView) -> str:
 
 
 class CodePanel(FilePanel):
-    """The lines of the program; a line is tied to the row of the history that it sends."""
-
-    row_chosen = pyqtSignal(int)
-    """number of the row of the history whose line the user has selected"""
+    """The program so far."""
 
     def __init__(self, texts: Texts) -> None:
         super().__init__(texts)
-        self._view = CodeView()
-        self.list = rows_list(texts("label.code"))
-        self.list.setWordWrap(True)  # a line is wider than the panel
-        self.list.setFont(QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont))
-        self.list.currentRowChanged.connect(self._report_row)
+        self.program = named(QPlainTextEdit(), texts("label.code"), "")
+        self.program.setReadOnly(True)
+        self.program.setTabChangesFocus(True)
+        self.program.setFont(QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont))
         self.copy, self.save = (
             plain_button(texts(f"code.{name}"), texts(f"code.{name}_tip"), texts(f"code.{name}_name"))
             for name in ("copy", "save")
         )
-        self.copy.clicked.connect(lambda: copy(self._view.text))
+        self.copy.clicked.connect(lambda: copy(self.program.toPlainText()))
         self.save.clicked.connect(self._choose_file)
         buttons = in_row((self.copy, 1), (self.save, 1), gap=4)
         hint = label(texts("label.code_hint"), "dim", wrap=True)
-        in_column(hint, (self.list, 1), buttons, gap=4, margins=(6, 6, 6, 6), inside=self)
+        in_column(hint, (self.program, 1), buttons, gap=4, margins=(6, 6, 6, 6), inside=self)
 
-    def show_view(self, view: CodeView) -> None:
-        """Show the program; the lines of the selected row stay selected, and new lines at the end become visible."""
-        chosen, self._view = self._chosen().row, view
-        with QSignalBlocker(self.list):
-            self.list.clear()
-            self.list.addItems([line.text for line in view.lines])
-        self.list.scrollToBottom()
-        self.choose(chosen)
-
-    def choose(self, row: int) -> None:
-        """Select the first line of a row of the history; none if the program has no such line."""
-        select(self.list, [line.row == row > 0 for line in self._view.lines])
-
-    def _chosen(self) -> CodeLine:
-        number = self.list.currentRow()
-        return self._view.lines[number] if 0 <= number < len(self._view.lines) else CodeLine("")
-
-    def _report_row(self) -> None:
-        if self._chosen().row:
-            self.row_chosen.emit(self._chosen().row)
+    def show_view(self, program: str) -> None:
+        """Show the program; new lines at the end become visible."""
+        self.program.setPlainText(program)
+        self.program.moveCursor(QTextCursor.MoveOperation.End)
 
     def _choose_file(self) -> None:
         save = QFileDialog.AcceptMode.AcceptSave
         self.choose_file(
-            self._texts("code.save_name"), save, "py", lambda file: WriteFile(NEW, file, self._view.text)
+            self._texts("code.save_name"),
+            save,
+            "py",
+            lambda file: WriteFile(NEW, file, self.program.toPlainText()),
         )

@@ -1,11 +1,10 @@
-"""What lies over the panels: the next action needed, errors, a refusal beside its control, and the sheet that connects."""
+"""What lies over the panels: the next action needed, errors, a refusal, and the sheet that connects."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from itertools import zip_longest
 
-from PyQt5.QtCore import QPoint, QRect
+from PyQt5.QtCore import QRect
 from PyQt5.QtWidgets import QFileDialog, QLineEdit, QSizePolicy, QWidget
 
 from gui.console.state.actions import UseAccount, UseRouter
@@ -73,13 +72,10 @@ class TroubleNotice(Panel):
 
 
 class RefusalNotice(Panel):
-    """A frame over the picture next to the control: it covers no control, and none moves."""
+    """A frame in the lower left corner of the picture: it covers no control, and none moves."""
 
-    def __init__(self, texts: Texts, parent: QWidget, picture: Callable[[], QRect]) -> None:
-        """Create it hidden; `picture` returns the area of the parent that it may cover."""
+    def __init__(self, texts: Texts, parent: QWidget) -> None:
         super().__init__("notice", parent)
-        self._picture = picture
-        self._beside: QWidget | None = None
         self.text = label(wrap=True)
         self.alternative = self.button(main=True)
         self.dismiss = plain_button(texts("label.dismiss"), texts("tip.dismiss"))
@@ -88,29 +84,18 @@ class RefusalNotice(Panel):
         in_column(self.text, buttons, margins=(10, 8, 10, 8), inside=self)
         self.hide()
 
-    def show_beside(self, view: RefusalView | None, beside: QWidget | None) -> None:
-        """Show the refusal beside a widget, or hide it."""
-        self._beside = beside
+    def show_over(self, picture: QRect, view: RefusalView | None) -> None:
+        """Show the refusal in the corner of this part of the parent, or hide it."""
         if view is not None:
             self.text.setText(f"✕ {view.text}")
             self.setAccessibleName(view.text)
             self.alternative.show_view(view.alternative)
-            self.place()
+            width = max(WIDTH_PX, self.minimumSizeHint().width())
+            height = self.heightForWidth(width)
+            self.setGeometry(picture.left(), max(0, picture.bottom() + 1 - height), width, height)
             if self.isHidden():
                 self.raise_()
         self.setVisible(view is not None)
-
-    def place(self) -> None:
-        """Move to the lower corner of the picture that is nearer to the control, not below the control's lower edge."""
-        parent, beside, picture = self.parentWidget(), self._beside, self._picture()
-        if beside is None:
-            return
-        width = max(WIDTH_PX, self.minimumSizeHint().width())
-        height = self.heightForWidth(width)
-        control = QRect(beside.mapTo(parent, QPoint(0, 0)), beside.size())
-        left = control.center().x() <= picture.center().x()
-        level = max(0, min(control.bottom(), picture.bottom()) + 1 - height)
-        self.setGeometry(picture.left() if left else picture.right() + 1 - width, level, width, height)
 
 
 SHEET_PX = 900

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -76,15 +76,9 @@ class Curves(QWidget):
         for side, unit in (("left", ""), ("bottom", " s")):
             axis = self.plot.getAxis(side)
             axis.enableAutoSIPrefix(enable=False)
-            axis.tickStrings = self._ticks(unit)
-
-    def _ticks(self, unit: str) -> Callable[[Sequence[float], float, float], list[str]]:
-        """Return a function of pyqtgraph that labels an axis in the language of the window."""
-
-        def strings(values: Sequence[float], _scale: float, _spacing: float) -> list[str]:
-            return [self._number(value, "figure") + unit for value in values]
-
-        return strings
+            axis.tickStrings = lambda values, *_, unit=unit: [
+                self._number(value, "figure") + unit for value in values
+            ]
 
     def _number(self, value: float, key: str) -> str:
         return self._texts(key, value=round(value, 6) + 0.0)

@@ -242,8 +242,6 @@ class SequencePanel(FilePanel):
 
     def show_view(self, view: SequenceView) -> None:
         """Show the poses; the selected one stays selected while it exists, and a new one is selected."""
-        if view == self._view:
-            return
         before, self._view = self._view, view
         self.strip.show_cards(view.cards, self._selection(before, view), view.played)
         self.add.show_view(view.add)
