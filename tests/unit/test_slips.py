@@ -27,7 +27,7 @@ NAMES = {
         ("robot.head.yaw", "Robot has no 'head': it has begin, calibrate, camera, "),
         ("robot.stream.latest", "stream is a method: write stream().latest"),
         ("twin.positions.sim", "positions is a method: write positions().sim"),
-        ("robot.positon()", "'Robot' object has no attribute 'positon'"),
+        ("robot.positon()", "Robot has no 'positon': did you mean positions()?"),
         ("not motion.done", "done is a method: write done()"),
     ],
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 import threading
 from collections.abc import Callable
@@ -166,6 +167,7 @@ def interrupted(read: Callable[[], object], nth: int) -> bool:
             sys.setprofile(None)
             raise KeyboardInterrupt
 
+    gc.disable()  # it could delete something during the call, where Python ignores the interrupt
     sys.setprofile(interrupt)
     try:
         read()
@@ -173,6 +175,7 @@ def interrupted(read: Callable[[], object], nth: int) -> bool:
         return True
     finally:
         sys.setprofile(None)
+        gc.enable()
     return False
 
 
