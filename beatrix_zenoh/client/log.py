@@ -171,7 +171,7 @@ class Log(ProcessBound, Closable, Suggesting):
         def __getattr__(self, name):
             if name in Log.__annotations__ and "t" not in vars(self):
                 raise AttributeError(OPEN)
-            return object.__getattribute__(self, name)  # raises the error of a missing name
+            return super().__getattr__(name)
 
     def __repr__(self) -> str:
         if "t" not in vars(self):

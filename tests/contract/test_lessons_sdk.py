@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from robots import until
 
 from beatrix_zenoh import Refused, Robot
 from beatrix_zenoh.contract.errors import WrongUsage
@@ -21,6 +22,8 @@ def test_a_log_has_what_the_robot_did(robot: Robot, tmp_path: Path) -> None:
             log.plot()
         robot.look(yaw=12, pitch=5)
         at_goal = robot.positions()
+        with robot.stream() as stream:  # publications may arrive later than the reply
+            until(lambda: stream.next().commanded == at_goal.commanded, "the goal is published")
     assert log.t[0] == 0
     assert np.all(np.diff(log.t) > 0)
     assert log.commanded_yaw[0] == pytest.approx(0, abs=0.1)

@@ -421,7 +421,7 @@ class Detail(Struct, frozen=True, kw_only=True):
     leaves_arms: Annotated[Vector3 | None, ValueRow(unit="rad")] = None
     """arm angles at that time [rad]"""
     field: Text = ""
-    """the wrong field or word of the request; of a speed the limit that refuses it, such as speed_limit, the teacher's, or turn_speed, that of this turn, or all that are equal; if there is no answer: the robot"""
+    """the wrong field or word of the request; of a speed the limit that refuses it, or all that are equal, such as speed_limit, the teacher's; if there is no answer: the robot"""
     known: list[Text] = []
     """values that are allowed instead, or the robots online"""
     holder: Name = ""
