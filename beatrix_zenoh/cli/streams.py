@@ -7,7 +7,6 @@ import re
 import statistics
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
 from enum import StrEnum
 from typing import Annotated, NamedTuple, Protocol, TypeVar, cast
 
@@ -152,7 +151,8 @@ def show(place: Place, value: object, *, as_json: bool) -> None:
             )
             data = state_row(status)
         case CameraImage() as image:
-            header = {name: value for name, value in asdict(image).items() if name != "jpeg"}
+            fields = msgspec.structs.asdict(image)
+            header = {name: value for name, value in fields.items() if name != "jpeg"}
             words, data = f"{robot}  {image}", {**header, "bytes": len(image.jpeg)}
         case msgspec.Struct() as message:
             words = f"{robot}  " + ", ".join(f"{one.title} {one.text()}" for one in values(message))

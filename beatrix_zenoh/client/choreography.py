@@ -119,7 +119,7 @@ def load(name: Path | str) -> Choreography:
         names = ", ".join(sorted(entry.name.removesuffix(".csv") for entry in SHIPPED.iterdir()))
         raise WrongUsage(
             Reason.BAD_VALUE,
-            f"{path} cannot be read: {error}. Name a file, or a shipped choreography: {names}.",
+            f"{path} cannot be read: {error.strerror}. Name a file, or a shipped choreography: {names}.",
         ) from error
 
 

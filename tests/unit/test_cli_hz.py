@@ -1,14 +1,15 @@
-"""The statistics of `beatrix hz`."""
+"""The statistics of `beatrix hz`, and lines of `beatrix echo`."""
 
 from __future__ import annotations
 
+import json
 import time
 from typing import NamedTuple
 
 import pytest
 
-from beatrix_zenoh.cli.streams import Rate, event_line, rate, show_rates
-from beatrix_zenoh.client.subscription import Arrival
+from beatrix_zenoh.cli.streams import Rate, event_line, rate, show, show_rates
+from beatrix_zenoh.client.subscription import Arrival, CameraImage
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, Phase
 from beatrix_zenoh.contract.errors import NoAnswer
 
@@ -72,3 +73,16 @@ def test_an_event_is_one_line_with_time_robot_seat_and_outcome() -> None:
         phase=Phase.ACCEPTED, message="Text.",
     )  # fmt: skip
     assert event_line(("bea", "hw"), event) == "12:00:00.045  bea (hw)  ana motion pose accepted: Text."
+
+
+def test_a_picture_is_shown_by_its_header(capsys: pytest.CaptureFixture[str]) -> None:
+    image = CameraImage(
+        seq=7, t_mono_ns=1, t_wall_ns=2, width=64, height=48, source="pattern", jpeg=b"\xff\xd8", eye="left",
+        arrived_mono_ns=3, arrived_wall_ns=4,
+    )  # fmt: skip
+    show(("bea", "hw"), image, as_json=False)
+    show(("bea", "hw"), image, as_json=True)
+    words, document = capsys.readouterr().out.splitlines()
+    assert words == f"bea (hw)  {image}"
+    shown = json.loads(document)
+    assert (shown["eye"], shown["seq"], shown["bytes"], "jpeg" in shown) == ("left", 7, 2, False)

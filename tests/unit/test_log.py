@@ -24,6 +24,7 @@ from beatrix_zenoh.recording.losses import (
     LossReport,
     Stream,
     findings,
+    pictures_of,
     total,
 )
 from beatrix_zenoh.recording.rows import Line
@@ -108,6 +109,11 @@ def test_each_missing_number_is_one_loss_unless_our_queues_have_dropped_it(
 def test_only_gaps_are_losses(seqs: tuple[int, ...], lost: int) -> None:
     assert total({ARMS: counted(*seqs)} if seqs else {}).lost == lost
     assert lost_in_file(np.array(seqs, np.int64), np.zeros(len(seqs), np.int64)) == lost
+
+
+def test_pictures_that_a_router_leaves_out_are_no_lost_samples() -> None:
+    counts = {(BEA, pictures_of("left")): Count(received=3, lost=187), (BEA, EVENTS): Count(received=3)}
+    assert missing(counts) == "187 pictures did not arrive"
 
 
 def test_two_programs_under_one_name_are_named_once_and_no_loss_is_counted() -> None:

@@ -15,7 +15,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.files import check_new
 from beatrix_zenoh.output import FAILED, exit_code, note, print_json, say, typed
-from beatrix_zenoh.recording.losses import Count, Stream, findings, total
+from beatrix_zenoh.recording.losses import PICTURES, Count, Stream, findings, total
 from beatrix_zenoh.recording.verbs.files import RECORDING, repair_recording
 from beatrix_zenoh.recording.verbs.view import leave, open_viewer
 from beatrix_zenoh.recording.viewer import PORT, program
@@ -285,9 +285,14 @@ def outcome(one: Count) -> dict[str, int | None]:
 
 
 def missing(counts: Mapping[Stream, Count]) -> str:
-    """Return how many publications the recording lacks, in words."""
-    whole = total(counts)
-    words = {"lost on the network": whole.lost, "dropped": whole.unwritten}
+    """Return how many publications the recording lacks, in words; pictures apart, because routers leave them out."""
+    pictures = {stream: one for stream, one in counts.items() if stream[1].startswith(PICTURES)}
+    whole = total({stream: one for stream, one in counts.items() if stream not in pictures})
+    words = {
+        "lost on the network": whole.lost,
+        "pictures did not arrive": total(pictures).lost,
+        "dropped": total(counts).unwritten,
+    }
     known = [f"{number} {what}" for what, number in words.items() if number]
     if whole.contested:
         known.append("losses unknown, because two programs publish")
