@@ -23,7 +23,7 @@ def mirror(leader, follower):
     """Let the follower be the mirror image of the leader."""
     with leader.stream() as positions, leader.events() as one, follower.events() as other:
         while not any(event.kind == "stop" for event in one.take() + other.take()):
-            newest = positions.take(timeout_s=1.0)[-1]
+            newest = [positions.next(), *positions.take()][-1]
             yaw, pitch, roll = mirrored(newest.head)
             try:
                 follower.look(yaw, pitch, roll, wait=False)
