@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import time
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from enum import StrEnum
@@ -12,7 +13,7 @@ import typer
 
 from beatrix_zenoh.client import lease as leases
 from beatrix_zenoh.client.lease import govern, of_seat, pending
-from beatrix_zenoh.client.request import title
+from beatrix_zenoh.client.request import RETURN_S, title
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client, Place
 from beatrix_zenoh.client.twin_state import check_seat
@@ -157,12 +158,21 @@ def lease(
 
 
 def _hold(robots: Sequence[Robot]) -> None:
-    """Wait until an error is raised: Refused if the lease of a robot has ended, NoAnswer if a robot is lost."""
+    """Wait until an error is raised: Refused if a lease has ended, NoAnswer if a robot, not the router, is lost."""
     pause = threading.Event()
+    heard_s = dict.fromkeys(robots, time.monotonic())
     warned: set[str] = set()
     while not pause.wait(CHECK_S):
         for robot in robots:
-            status = robot.status()
+            try:
+                status = robot.status()
+            except NoAnswer as error:
+                if error.reason is Reason.NO_ROUTER:  # robots keep the lease until the sessions are back
+                    heard_s[robot] = time.monotonic()
+                elif error.reason not in leases.ABSENT or time.monotonic() - heard_s[robot] > RETURN_S:
+                    raise
+                continue
+            heard_s[robot] = time.monotonic()
             if status.lease == robot.lease_number:
                 if 0 < status.turn_s <= WARN_S and str(robot) not in warned:
                     warned.add(str(robot))

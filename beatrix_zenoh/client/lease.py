@@ -119,7 +119,7 @@ def _again(robot: RobotBase, query: LeaseQuery) -> bool:
     try:
         return bool(send(robot, query).lease)
     except NoAnswer as error:
-        if error.reason not in ABSENT:
+        if error.reason not in (*ABSENT, Reason.NO_ROUTER):
             raise
         return False
 

@@ -30,8 +30,8 @@ NOTICE_S = 0.2
 BACK_S = 0.6
 """Zenoh restores a lost connection within this time (s) if the router answers."""
 RETURN_S = 10.0
-"""Time (s) after the loss of a router in which its robots may be absent: they reconnect, and so does a class's second
-router."""
+"""Time (s) after the loss or the return of a router in which its robots may be absent, or their requests refused: they
+reconnect, and so does a class's second router."""
 POLL_S = 0.02
 """Period (s) in which a restored connection is looked for."""
 ABSENT_S = 1.5
@@ -106,6 +106,10 @@ class SentQuery:
         """Return whether the connection is lost now, or was lost since the query was sent."""
         return not self.client.bus.connected or self.client.losses != self.losses
 
+    def _returning(self) -> bool:
+        """Return whether routers and robots may still be reconnecting after a loss."""
+        return time.monotonic() - self.client.lost_s < RETURN_S
+
     def _interrupted(self) -> NoAnswer:
         """Return the error of a lost router, or of a lost connection to one that is running."""
         bus = self.client.bus
@@ -134,8 +138,7 @@ class SentQuery:
         """Return the error of a robot that is not online; after the loss of a router it may be on its way back."""
         if not (received or self.place in self.client.seen):
             return absence(self.client, self.place, present)
-        lately = time.monotonic() - self.client.lost_s < RETURN_S
-        return self._interrupted() if lately else self._lost_node()
+        return self._interrupted() if self._returning() else self._lost_node()
 
     def _lost_node(self, *, back: bool = False) -> NoAnswer:
         """Return the error of a node that received the query and did not answer; `back`: it is online again."""
@@ -144,6 +147,8 @@ class SentQuery:
 
     def _refused(self) -> NoAnswer:
         """Return the error of a query that ended without a reply although the robot is online."""
+        if self._returning():
+            return self._interrupted()
         account = self.client.settings.account
         if account is not None and self._reads_clock():
             detail = Detail(field=title(self.place), holder=account.name)

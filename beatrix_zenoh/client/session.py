@@ -86,7 +86,7 @@ class Client(ProcessBound, Closable):
         self.losses = 0
         """Number of losses of the router so far; a query that was sent before a loss is lost too."""
         self.lost_s = -math.inf
-        """Time of the last of them (monotonic clock, s)."""
+        """Time of the last of them, or of the return after it (monotonic clock, s)."""
         self.seen: set[Place] = set()
         """Robots that were online or have answered since the session began."""
         self._reporter = Reporter()
@@ -120,9 +120,8 @@ class Client(ProcessBound, Closable):
             return self._media
 
     def _on_router(self, there: bool) -> None:  # noqa: FBT001
-        if not there:
-            self.losses += 1
-            self.lost_s = time.monotonic()
+        self.losses += not there
+        self.lost_s = time.monotonic() if self.losses else -math.inf
 
     def _describe(self, incoming: Incoming) -> None:
         """Answer on Zenoh's thread, without a lock, because `media` holds it while it opens a session."""

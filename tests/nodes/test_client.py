@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import datetime as dt
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from class_router import Answering
 from robots import Stage, assert_fails, ready, until
 from statuses import READY
 
 from beatrix_zenoh import Monitor, Refused, Robot
 from beatrix_zenoh import bus as zbus
+from beatrix_zenoh.account import Account
 from beatrix_zenoh.client import Presence
 from beatrix_zenoh.client.stopping import publish_stop
 from beatrix_zenoh.contract import codec
@@ -128,3 +132,20 @@ def test_a_monitor_wakes_on_changes_and_shows_arrivals_and_losses_of_robots(
         assert monitor.wait(PATIENCE_S)
         assert monitor.robot("toy", "hw").presence is Presence.ABSENT
         assert monitor.present() == []
+
+
+@pytest.mark.parametrize(
+    ("connected", "reason"), [((), Reason.ACCESS_DENIED), ((False, True), Reason.NO_ROUTER)]
+)
+def test_a_request_without_reply_just_after_the_return_of_the_router_is_not_called_refused(
+    stage: Stage, connected: tuple[bool, ...], reason: Reason
+) -> None:
+    """As in a class whose routers do not know all of the robot's keys yet."""
+    account = Account("8b", "ana", "student", "", dt.date.max, "", "", "")
+    with zbus.connect(stage.endpoint) as bus, stage.client() as client:
+        bus.declare_token(keys.alive("toy", "hw"))
+        Answering(bus, keys.clock("toy", "hw"))
+        client.settings = replace(client.settings, account=account)
+        for there in connected:
+            client._on_router(there)
+        assert_fails(Robot("toy", "hw", client=client).status, NoAnswer, reason)

@@ -13,14 +13,18 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 import zenoh
+from patient_connections import PATIENCE_S, patiently
 from robots import Stage, free_endpoint, ready, routing, start_router, until
 from shell import Shell
 
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.bus import Sessions, session, transport
-from beatrix_zenoh.contract._generated.messages import Reason
+from beatrix_zenoh.cli import commands
+from beatrix_zenoh.client import lease
+from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
 from beatrix_zenoh.node import Node
+from beatrix_zenoh.terminal.options import Which
 from hw_node.body import VirtualHardware
 
 
@@ -59,6 +63,24 @@ def test_all_processes_return_after_a_restart_of_the_router_process(alone: Stage
             node.expect(f"The router at {endpoint} is connected again.")
             until(lambda: not refused(robot), "the seat is connected again")
             node.end()
+
+
+def test_a_taken_robot_stays_held_while_the_router_is_lost_and_returns() -> None:
+    endpoint = free_endpoint()
+    with contextlib.ExitStack() as stack:
+        with routing(endpoint):
+            node = Node(Sessions(lambda: zbus.connect(endpoint)), "bea", VirtualHardware("bea")).start()
+            stack.callback(node.close)
+            pool = stack.enter_context(ThreadPoolExecutor())
+            robot = stack.enter_context(Robot("bea", "hw", connect=endpoint, who="ana"))
+            holds = pool.submit(commands.lease, commands.What.TAKE, 0.0, "bea", endpoint, "ana", Which.HW)
+            until(lambda: robot.status().lease == 1, "ana has taken it")
+        with pytest.raises(TimeoutError):
+            holds.result(2.0)
+        with routing(endpoint):
+            patiently(lambda: lease.ask(robot, LeaseAction.GIVE_BACK))
+            with pytest.raises(Refused, match="your lease has ended"):
+                holds.result(PATIENCE_S)
 
 
 def test_a_node_that_is_started_before_the_router_waits_for_it(alone: Stage) -> None:
