@@ -173,8 +173,7 @@ def pending(client: Client, query: LeaseQuery | None = None, robots: Collection[
     for name in robots or ["*"]:
         request = GroupRequest(client, keys.pending(name, "*"), query, LeaseReply, SEAT_S)
         found |= {robot: reply.message for (robot, _), reply in request.replies(SEAT_S)}
-    online = {robot for robot, _ in client.robots()} if found else set()
-    return {robot: text for robot, text in sorted(found.items()) if robot not in online}
+    return dict(sorted(found.items()))
 
 
 def of_seat(client: Client, place: Place) -> bool:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+import queue
 import signal
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
 from class_router import ClassRouter, start_node
@@ -14,7 +17,8 @@ from robots import until
 from shell import beatrix, good
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh.classroom.pending import Kept, decide, words
+from beatrix_zenoh.bus import Bus
+from beatrix_zenoh.classroom.pending import Kept, PendingDecisions, decide, words
 from beatrix_zenoh.client import lesson_reports as reports
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
@@ -52,6 +56,30 @@ def test_for_a_robot_online_only_what_it_has_not_taken_is_replaced() -> None:
     decide(found, BEA2, LIMIT, online=True)
     decide(found, BEA2, UNMUTE, online=True)
     assert [*found[BEA2].values()] == [UNMUTE], "the mute may be on its way"
+
+
+def test_a_robot_of_which_one_side_is_online_is_not_listed(tmp_path: Path) -> None:
+    found: queue.SimpleQueue[str] = queue.SimpleQueue()
+    handlers = SimpleNamespace()
+    bus = SimpleNamespace(
+        closed=False,
+        watch_tokens=lambda _, seen: vars(handlers).update(seen=seen),
+        serve=lambda _, asked: vars(handlers).update(asked=asked),
+    )
+    PendingDecisions(cast("Bus", bus), tmp_path / "pending.json", lambda: ["bea1", "bea2"])
+    handlers.seen(keys.alive("bea1", "hw"), alive=True)
+    handlers.asked(
+        SimpleNamespace(
+            key=keys.pending("*", "*"),
+            raw=SimpleNamespace(payload=codec.encode(MUTE)),
+            reply=lambda key, *_: found.put(key),
+            finish=lambda: found.put("end"),
+        )
+    )
+    replies = [*iter(partial(found.get, timeout=PATIENCE_S), "end")]
+    bus.closed = True
+    handlers.seen("", alive=False)
+    assert replies == [keys.pending("bea2", side) for side in ("sim", "hw")]
 
 
 @pytest.mark.long("restarts a class")
