@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import time
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 
 from beatrix_zenoh.bus import ProcessBound
@@ -18,7 +18,7 @@ from beatrix_zenoh.client.subscription import SILENCE_S
 from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LeaseAction, LeaseQuery, LeaseReply, Reason, Status
-from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, WrongUsage
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, WrongUsage
 
 ANSWER_S = 2.0
 """Time limit (s) of the reply of each robot."""
@@ -158,6 +158,12 @@ def govern(
         asked = {threads.submit(_ask, client, place, query): place for place in ordered}
         for answered in as_completed(asked):
             yield asked[answered], answered.result()
+
+
+def refused(client: Client, results: Mapping[Place, LeaseReply | BeatrixError]) -> bool:
+    """Return whether all robots of the class that were reached refused the query, as the others would, too."""
+    found = [isinstance(result, Refused) for place, result in results.items() if not of_seat(client, place)]
+    return bool(found) and all(found)
 
 
 def pending(client: Client, query: LeaseQuery | None = None, robots: Collection[str] = ()) -> dict[str, str]:
