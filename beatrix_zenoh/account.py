@@ -77,10 +77,10 @@ class Account(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defa
         )
 
     def check_muted(self, seat: str) -> None:
-        """Raise WrongUsage (BAD_VALUE) if this is the teacher's account and its class has no such seat or robot."""
-        if self.names and seat not in (*self.names, *self.robots, names.TEACHER):
+        """Raise WrongUsage (BAD_VALUE) if this is the teacher's account and its class has no such student or robot."""
+        if self.names and seat not in (*self.names, *self.robots):
             raise wrong_usage(
-                f"Class {self.class_name} has no seat {quoted(seat)}. Its seats are: {', '.join(map(self.shown, self.names))}.",
+                f"Class {self.class_name} has no student {quoted(seat)}. Its seats are: {', '.join(map(self.shown, self.names))}.",
             )
 
     def may_serve(self, robot: str) -> bool:

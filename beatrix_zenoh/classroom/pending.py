@@ -93,9 +93,10 @@ class PendingDecisions:
             (self._online.add if alive else self._online.discard)(keys.pending(parts.robot, parts.side))
 
     def _answer(self, incoming: zbus.Incoming) -> None:
-        """Add the decision of a query for all robots that match its key, and reply with what is kept for them."""
-        own = [keys.pending(robot, side) for robot in self._robots() for side in names.SIDES]
-        asked = [key for key in own if zbus.intersects(key, incoming.key)]
+        """Add the decision of a query for the robots that match its key; reply with what is kept for those not online."""
+        own = [[keys.pending(robot, side) for side in names.SIDES] for robot in self._robots()]
+        asked = [key for sides in own for key in sides if zbus.intersects(key, incoming.key)]
+        online = {key for sides in own if self._online.intersection(sides) for key in sides}
         try:
             if payload := incoming.raw.payload:
                 query = codec.decode(payload, LeaseQuery)
@@ -103,7 +104,7 @@ class PendingDecisions:
                     decide(self._kept, key, query, online=key in self._online)
                 self._write()
             for key in asked:
-                if kept := self._kept.get(key):
+                if key not in online and (kept := self._kept.get(key)):
                     text = ", ".join(map(words, kept.values()))
                     reply = LeaseReply(
                         result=True, reason=Reason.OK, message=text, lease=0, holder="", waiting=[]

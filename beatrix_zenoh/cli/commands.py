@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 from beatrix_zenoh.client import lease as leases
-from beatrix_zenoh.client.lease import govern, of_seat, pending
+from beatrix_zenoh.client.lease import govern, of_seat, pending, refused
 from beatrix_zenoh.client.request import RETURN_S, title
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client, Place
@@ -277,7 +277,7 @@ def _govern(
             results[place] = result
             if not as_json:
                 (say if result.reason is Reason.OK else note)(f"{title(place)}: {result.message}")
-        later = pending(client, query, wanted or ())
+        later = {} if refused(client, results) else pending(client, query, wanted or ())
         if not (places or later):
             raise NoAnswer(
                 Reason.NO_SUCH_ROBOT if present else Reason.NO_ANSWER,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Collection, Sequence
 from typing import Annotated, NamedTuple
@@ -126,14 +127,15 @@ def _send(
     settings: Settings, asked: Sequence[str], side: str, *, emergency: bool
 ) -> tuple[dict[Place, Answer], Sequence[Place]]:
     with Client(settings, source=Source.CLI) as client:
-        sent = [SentGroupStop(client, (robot, side), emergency=emergency) for robot in asked]
+        press = os.urandom(8)  # the same for all: robots count it once
+        sent = [SentGroupStop(client, (robot, side), press, emergency=emergency) for robot in asked]
         present = client.robots()  # after STOP is sent, but before a node that hangs loses its token
         found = [place for place in present if any(matches((robot, side), place) for robot in asked)]
-        if (
-            emergency
-        ):  # the router of a class forwards none of a student to simulations of others, or with wildcards
-            simulations = [] if side == "hw" else [SentGroupStop(client, (robot, "sim")) for robot in asked]
-            sent = [*simulations, *sent, *(SentGroupStop(client, place, emergency=True) for place in found)]
+        if emergency:
+            # The router of a class forwards none of a student to simulations of others, or with wildcards.
+            sent += [SentGroupStop(client, place, press, emergency=True) for place in found]
+            sims = [] if side == "hw" else asked
+            sent = [*(SentGroupStop(client, (robot, "sim"), press) for robot in sims), *sent]
         answers = {place: answer for stop in sent for place, answer in stop.replies().items()}
         answers |= silences(client.bus, [place for place in found if place not in answers])
         return answers, present

@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import time
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 
 from beatrix_zenoh.bus import ProcessBound
@@ -18,7 +18,7 @@ from beatrix_zenoh.client.subscription import SILENCE_S
 from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LeaseAction, LeaseQuery, LeaseReply, Reason, Status
-from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, WrongUsage
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, WrongUsage
 
 ANSWER_S = 2.0
 """Time limit (s) of the reply of each robot."""
@@ -160,6 +160,12 @@ def govern(
             yield asked[answered], answered.result()
 
 
+def refused(client: Client, results: Mapping[Place, LeaseReply | BeatrixError]) -> bool:
+    """Return whether all robots of the class that were reached refused the query, as the others would, too."""
+    found = [isinstance(result, Refused) for place, result in results.items() if not of_seat(client, place)]
+    return bool(found) and all(found)
+
+
 def pending(client: Client, query: LeaseQuery | None = None, robots: Collection[str] = ()) -> dict[str, str]:
     """Return what the router of the class will send to its robots that are not online, as text by name.
 
@@ -173,8 +179,7 @@ def pending(client: Client, query: LeaseQuery | None = None, robots: Collection[
     for name in robots or ["*"]:
         request = GroupRequest(client, keys.pending(name, "*"), query, LeaseReply, SEAT_S)
         found |= {robot: reply.message for (robot, _), reply in request.replies(SEAT_S)}
-    online = {robot for robot, _ in client.robots()} if found else set()
-    return {robot: text for robot, text in sorted(found.items()) if robot not in online}
+    return dict(sorted(found.items()))
 
 
 def of_seat(client: Client, place: Place) -> bool:

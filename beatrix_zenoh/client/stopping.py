@@ -79,16 +79,16 @@ def stop_robots(robots: Iterable[R]) -> Iterator[tuple[R, Answer]]:
 
 
 def begin_stop(
-    client: Client, place: Place, *, emergency: bool
-) -> tuple[str, CommandQuery | None, str | None, bytes | None]:
+    client: Client, place: Place, press: bytes, *, emergency: bool
+) -> tuple[str, CommandQuery | None, str | None, bytes]:
     """Publish STOP; return key, payload, priority and attachment of its query.
 
-    EMERGENCY_STOP is only queried, as a command.
+    EMERGENCY_STOP is only queried, as a command. `press`: its number; empty: a new one.
     """
+    press = press or os.urandom(PRESS_BYTES)
     if emergency:
         query = CommandQuery(command=Command.EMERGENCY_STOP.value, source=client.source)
-        return keys.command(*place, client.settings.who), query, "real_time", None
-    press = os.urandom(PRESS_BYTES)
+        return keys.command(*place, client.settings.who), query, "real_time", press
     publish_stop(client, place, press)
     return stop_key(client, place), None, None, press
 
@@ -97,9 +97,15 @@ class SentStop:
     """STOP or EMERGENCY_STOP that was sent to one robot."""
 
     def __init__(
-        self, client: Client, place: Place, timeout_s: float = ROBOT_S, *, emergency: bool = False
+        self,
+        client: Client,
+        place: Place,
+        timeout_s: float = ROBOT_S,
+        press: bytes = b"",
+        *,
+        emergency: bool = False,
     ) -> None:
-        key, query, priority, press = begin_stop(client, place, emergency=emergency)
+        key, query, priority, press = begin_stop(client, place, press, emergency=emergency)
         self.place, self._timeout_s = place, timeout_s
         self._request = Request(client, place, key, query, timeout_s, priority, press)
         self.close = self._request.close
@@ -118,8 +124,8 @@ class SentStop:
 class SentGroupStop:
     """STOP or EMERGENCY_STOP that was sent to all robots of a place with `*`."""
 
-    def __init__(self, client: Client, place: Place, *, emergency: bool = False) -> None:
-        key, query, priority, press = begin_stop(client, place, emergency=emergency)
+    def __init__(self, client: Client, place: Place, press: bytes = b"", *, emergency: bool = False) -> None:
+        key, query, priority, press = begin_stop(client, place, press, emergency=emergency)
         self._client, self._place = client, place
         self._request = GroupRequest(client, key, query, CommandReply, GROUP_S, priority, press)
         self.close = self._request.close
@@ -191,6 +197,7 @@ class QueuedStop:
     expected: Collection[Place]
     reports: list[Report]
     """those of all stops that this one stands for"""
+    press: bytes
     sent: SentStop | SentGroupStop | None = None
 
     @property
@@ -203,7 +210,7 @@ class QueuedStop:
         *preferred, last = self.clients
         client = next((client for client in preferred if client.bus.connected), last)
         kind = SentGroupStop if "*" in self.place else SentStop
-        self.sent = kind(client, self.place, emergency=self.emergency)
+        self.sent = kind(client, self.place, press=self.press, emergency=self.emergency)
 
     def stand_for(self, older: QueuedStop | None) -> None:
         """Let the answers of this stop be reported for an older one, too, if there is one."""
@@ -250,14 +257,14 @@ class StopSender:
     def send(
         self,
         clients: Sequence[Client],
-        places: Iterable[Place],
+        places: Sequence[Place],
         report: Report,
         expected: Collection[Place] = (),
         yield_s: float = 0.0,
         *,
         emergency: bool = False,
     ) -> None:
-        """Send STOP, or EMERGENCY_STOP, to these places, in this order; returns at once.
+        """Send STOP, or EMERGENCY_STOP and to simulations also STOP, to these places, in this order; returns at once.
 
         Args:
             clients: sessions for sending: the first that is connected is used, else the last.
@@ -269,7 +276,15 @@ class StopSender:
             emergency: whether to send EMERGENCY_STOP.
         """
         before = self._batches
-        self._queue.put([QueuedStop(clients, place, emergency, expected, [report]) for place in places])
+        press = os.urandom(PRESS_BYTES)
+        stops = [QueuedStop(clients, place, emergency, expected, [report], press) for place in places]
+        if emergency:  # The router of a class does not forward EMERGENCY_STOP to simulations of other seats.
+            stops += [
+                QueuedStop(clients, (robot, "sim"), emergency=False, expected=(), reports=[], press=press)
+                for robot, side in places
+                if side != "hw"
+            ]
+        self._queue.put([*stops])
         if yield_s:
             self._sent.wait_for(lambda: self._batches != before, yield_s)
 

@@ -132,7 +132,7 @@ class CommandHandler(Component):
         requests: Requests,
         controller: MotionController,
         hardware: HardwareInterface,
-        press: Callable[[Command, RequestHandle], None],
+        press: Callable[[Command, RequestHandle, Incoming], None],
         keep: Callable[[], None],
     ) -> None:
         """`press` handles STOPS; `keep` keeps the decisions of the teacher, of which a RESET may end one."""
@@ -157,7 +157,7 @@ class CommandHandler(Component):
             if query.command in STOPS:  # before any check: STOP is open to every seat and allows wildcards
                 command = Command(query.command)
                 handle = self._requests.handle(incoming, self._key, command.name, EventKind.STOP)
-                self._press(command, replace(handle, source=query.source))
+                self._press(command, replace(handle, source=query.source), incoming)
                 return
             names.check_seat(handle.caller.seat)
             check_own_key(incoming.key, self._key)

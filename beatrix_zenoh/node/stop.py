@@ -73,7 +73,7 @@ class StopHandler(Component):
         self._puts: dict[str, tuple[float, int]] = {}
         """Time (s, monotonic) of the last put by its key, and `Access.begun` then."""
         self._recorded: dict[tuple[str, bytes], str] = {}
-        """Form (put or query) of the first of each press by seat and number, the newest last."""
+        """Form of the first of each press by seat and number, the newest last: the key of the query; empty: a put."""
         self._thread: threading.Thread | None = None
         self._rest = Rest(self._board, controller)
         board_watch.observe(Observer(self._rest.observe, self._rest.overdue))
@@ -101,8 +101,7 @@ class StopHandler(Component):
         if is_stop(incoming.key):
             handle = self._requests.handle(incoming, served, Command.STOP.name, EventKind.STOP)
             caller = Caller(handle.caller.seat or self._unsigned, handle.caller.session)
-            events = self._events(caller.seat, "query", incoming.attachment)
-            self.press(Command.STOP, replace(handle, caller=caller, events=events))
+            self.press(Command.STOP, replace(handle, caller=caller), incoming)
         else:
             incoming.finish()
 
@@ -125,12 +124,12 @@ class StopHandler(Component):
         # The seat is that of the key, which the router of a class checks; any client can forge a session id.
         caller = Caller(seat_of(received.key, served) or self._unsigned, received.sender)
         press = received.attachment or b""
-        if is_stop(received.key) and self._recorded.get((caller.seat, press)) != "query":
-            events = self._events(caller.seat, "put", press)
+        if is_stop(received.key) and not self._recorded.get((caller.seat, press)):
+            events = self._events(caller.seat, "", press)
             self.press(Command.STOP, RequestHandle(caller, Command.STOP.name, events, kind=EventKind.STOP))
 
     def _events(self, seat: str, form: str, press: bytes) -> NodeEvents | None:
-        """Return the event log for a press of STOP; None if its other form (put or query) was recorded before.
+        """Return the event log for a press of STOP or EMERGENCY_STOP; None if another form of it was recorded before.
 
         `press`: its number; empty: it has none, and each of its forms is recorded.
         """
@@ -142,12 +141,15 @@ class StopHandler(Component):
                     del self._recorded[next(iter(self._recorded))]
         return self._requests.events
 
-    def press(self, command: Command, handle: RequestHandle) -> None:
+    def press(self, command: Command, handle: RequestHandle, incoming: Incoming | None = None) -> None:
         """Handle a requested STOP or EMERGENCY_STOP.
 
         Once closed, decline it and send nothing, because the controller stops the arms. Decline that of a muted seat
-        that moves nothing.
+        that moves nothing. All queries (`incoming`) of one press are carried out, and one is recorded; their keys differ.
         """
+        if incoming is not None:
+            events = self._events(handle.caller.seat, incoming.key, incoming.attachment)
+            handle = replace(handle, events=events)
         emergency = command is Command.EMERGENCY_STOP
         try:
             self._access.stop_pressed(handle.caller, time.monotonic(), emergency=emergency)

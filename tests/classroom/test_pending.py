@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+import queue
 import signal
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
 from class_router import ClassRouter, start_node
@@ -14,7 +17,8 @@ from robots import until
 from shell import beatrix, good
 
 from beatrix_zenoh import Robot
-from beatrix_zenoh.classroom.pending import Kept, decide, words
+from beatrix_zenoh.bus import Bus
+from beatrix_zenoh.classroom.pending import Kept, PendingDecisions, decide, words
 from beatrix_zenoh.client import lesson_reports as reports
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
@@ -54,14 +58,39 @@ def test_for_a_robot_online_only_what_it_has_not_taken_is_replaced() -> None:
     assert [*found[BEA2].values()] == [UNMUTE], "the mute may be on its way"
 
 
+def test_a_robot_of_which_one_side_is_online_is_not_listed(tmp_path: Path) -> None:
+    found: queue.SimpleQueue[str] = queue.SimpleQueue()
+    handlers = SimpleNamespace()
+    bus = SimpleNamespace(
+        closed=False,
+        watch_tokens=lambda _, seen: vars(handlers).update(seen=seen),
+        serve=lambda _, asked: vars(handlers).update(asked=asked),
+    )
+    PendingDecisions(cast("Bus", bus), tmp_path / "pending.json", lambda: ["bea1", "bea2"])
+    handlers.seen(keys.alive("bea1", "hw"), alive=True)
+    handlers.asked(
+        SimpleNamespace(
+            key=keys.pending("*", "*"),
+            raw=SimpleNamespace(payload=codec.encode(MUTE)),
+            reply=lambda key, *_: found.put(key),
+            finish=lambda: found.put("end"),
+        )
+    )
+    replies = [*iter(partial(found.get, timeout=PATIENCE_S), "end")]
+    bus.closed = True
+    handlers.seen("", alive=False)
+    assert replies == [keys.pending("bea2", side) for side in ("sim", "hw")]
+
+
 @pytest.mark.long("restarts a class")
 def test_a_robot_that_was_away_gets_the_decisions_of_the_teacher_and_none_of_a_seat(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with ClassRouter(tmp_path) as router:
         monkeypatch.setenv("BEATRIX_ACCOUNT", str(router.path("teacher")))
-        wrong = beatrix("mute", "cem")
-        assert (wrong.returncode, "Its seats are: ana, ben." in wrong.stderr) == (2, True)
+        for seat in ("cem", "teacher"):
+            wrong = beatrix("mute", seat)
+            assert (wrong.returncode, "Its seats are: ana, ben." in wrong.stderr) == (2, True)
         for command in (("mute", "ben"), ("mute", "ana"), ("limit", "20"), ("limit", "--turn", "60")):
             later = "bea1, bea2: not online. The router of the class applies it when the robot comes."
             assert later in patiently(partial(good, *command))

@@ -9,7 +9,9 @@ from robots import Stage, until
 from shell import NAME, Shell
 
 from beatrix_zenoh.bus import Incoming
+from beatrix_zenoh.cli import commands
 from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import LeaseQuery
 
 
 def test_a_robot_is_held_until_ctrl_c(free: Shell) -> None:
@@ -53,6 +55,21 @@ def test_the_teacher_mutes_a_seat_on_all_robots_and_ends_a_turn(free: Shell) -> 
         motion = robot.look(yaw=60, speed=20, wait=False)
         assert "The turn of ana has ended" in free.good("lease", "give-back", "--on", "hw", *boss)
         assert motion.exception(5.0) is not None
+
+
+def test_a_decision_that_every_robot_refuses_is_not_kept_for_robots_that_are_not_online(
+    free: Shell, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept: list[LeaseQuery] = []
+
+    def pending(_: object, query: LeaseQuery, __: object) -> dict[str, str]:
+        kept.append(query)
+        return {}
+
+    monkeypatch.setattr(commands, "pending", pending)
+    for words, code, decisions in (("limit 5000", 1, 0), ("limit --turn 0.1", 1, 0), ("unfreeze", 0, 1)):
+        done = free.run(*words.split(), "--who", "teacher")
+        assert (done.returncode, len(kept)) == (code, decisions), done.stderr
 
 
 def test_the_teacher_freezes_all_robots_and_limits_their_speed(free: Shell) -> None:

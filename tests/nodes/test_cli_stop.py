@@ -5,18 +5,22 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
 from shell import NAME, Shell
 
 from beatrix_zenoh import Refused
 from beatrix_zenoh.contract._generated.messages import Reason
 
 
-def test_top_counts_the_stops_of_each_seat(shell: Shell) -> None:
-    shell.good("stop", "--who", "gustav")
+@pytest.mark.parametrize(("seat", "how"), [("gustav", ()), ("emil", ("--emergency",))])
+def test_top_counts_each_stop_of_a_seat_once(shell: Shell, seat: str, how: tuple[str, ...]) -> None:
+    shell.good("stop", "--who", seat, *how)
     line = next(row for row in shell.good("top", "--once").splitlines() if row.startswith("STOP pressed: "))
-    assert f"gustav 2 times ({NAME} sim 1, {NAME} hw 1)" in line
-    (stops,) = [one for one in shell.json("top")["stops"] if one["seat"] == "gustav"]
+    assert f"{seat} 2 times ({NAME} sim 1, {NAME} hw 1)" in line
+    (stops,) = [one for one in shell.json("top")["stops"] if one["seat"] == seat]
     assert stops["count"] == 2
+    if how:
+        make_ready_again(shell)
 
 
 def test_no_setting_prevents_stop(shell: Shell, tmp_path: Path) -> None:
@@ -35,17 +39,21 @@ def test_stop_without_a_robot_of_the_configured_name_explains_how_to_stop_all(sh
     assert "beatrix stop --all" in done.stderr
 
 
+def make_ready_again(shell: Shell) -> None:
+    rows = shell.json("reset", "--on", "both")["robots"]
+    assert [row["side"] for row in rows] == ["sim", "hw"]
+    assert {row["state"] for row in shell.json("ls")["robots"]} == {"motors off"}, "reset switches nothing on"
+    shell.good("enable", "--on", "both")
+    shell.good("calibrate", "--on", "both")
+
+
 def test_after_an_emergency_stop_enable_is_refused_until_reset(shell: Shell) -> None:
     shell.good("stop", "--all", "--emergency")
     assert {row["fault"] for row in shell.json("ls")["robots"]} == {"EMERGENCY"}
     assert "EMERGENCY_STOP is latched" in shell.good("ls")
     refused = shell.run("enable", "--on", "hw")
     assert (refused.returncode, "`beatrix reset`" in refused.stderr) == (1, True)
-    rows = shell.json("reset", "--on", "both")["robots"]
-    assert [row["side"] for row in rows] == ["sim", "hw"]
-    assert {row["state"] for row in shell.json("ls")["robots"]} == {"motors off"}, "reset switches nothing on"
-    shell.good("enable", "--on", "both")
-    shell.good("calibrate", "--on", "both")
+    make_ready_again(shell)
 
 
 def test_stop_with_a_wrong_name_stops_the_others_and_then_fails(free: Shell) -> None:

@@ -141,11 +141,17 @@ def test_a_stop_after_a_new_motion_is_sent_however_soon(stage: Stage) -> None:
 def test_a_put_after_the_query_of_its_press_does_not_stop_the_next_motion(
     stage: Stage, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    pressed: list[Command] = []
-    monkeypatch.setattr(stage.handler, "press", lambda command, _: pressed.append(command))
+    pressed: list[Caller] = []
+    access = stage.node.controller.access
+    monkeypatch.setattr(access, "stop_pressed", lambda caller, *_, **__: pressed.append(caller))
     key = "beatrix/bea/hw/stop/ana"
     query = SimpleNamespace(
-        key=key, session="ana", attachment=b"press 1", raw=RawQuery(b"", "", ""), finish=0
+        key=key,
+        session="ana",
+        attachment=b"press 1",
+        raw=RawQuery(b"", "", ""),
+        reply=lambda *_: None,
+        finish=lambda: None,
     )
     stage.network.queries["beatrix/bea/hw/stop/*"](cast("Incoming", query))
     assert len(pressed) == 1
@@ -153,6 +159,25 @@ def test_a_put_after_the_query_of_its_press_does_not_stop_the_next_motion(
     for press, presses in ((b"press 1", 1), (b"press 2", 2), (b"", 3), (None, 4)):
         put(Received(key, b"", "ana", press, 0, 0))
         assert len(pressed) == presses, press
+
+
+def test_each_query_of_an_emergency_stop_is_carried_out_and_one_press_is_recorded_once(stage: Stage) -> None:
+    queries = 0
+    for press, recorded in ((b"press 1", 1), (b"press 2", 2), (b"", 4)):
+        for key in ("beatrix/*/*/cmd/ana/command", "beatrix/bea/hw/cmd/ana/command"):
+            query = SimpleNamespace(key=key, attachment=press)
+            handle = RequestHandle(
+                Caller("ana", "ana"),
+                "EMERGENCY_STOP",
+                None,
+                lambda _: stage.replied.release(),
+                kind=EventKind.STOP,
+            )
+            stage.handler.press(Command.EMERGENCY_STOP, handle, cast("Incoming", query))
+            assert stage.replied.acquire(timeout=5)
+            queries += 1
+            assert stage.sent == [FrameType.EMERGENCY_STOP] * queries
+        assert [(one.seat, one.count) for one in stage.node.events.stops()] == [("ana", recorded)]
 
 
 def test_a_stop_after_one_that_the_board_did_not_acknowledge_is_sent(stage: Stage) -> None:

@@ -126,6 +126,17 @@ def test_stop_of_a_group_is_published_before_it_is_queried_and_answered_by_each_
     assert isinstance(answers[SIM], Refused)
 
 
+def test_one_press_of_emergency_stop_has_one_number_also_as_stop_of_simulations() -> None:
+    network, sender = Network({HW: RESTS, SIM: RESTS}), StopSender("emergency")
+    sender.send([network.client()], [HW, SIM], lambda _: None, emergency=True)
+    sender.close()
+    sender.join(time.monotonic() + PATIENCE_S)
+    sent = ["hw/cmd/ana/command", "sim/cmd/ana/command", "sim/stop/ana", "sim/stop/ana"]
+    assert [key.removeprefix("beatrix/bea/") for _, key in network.sent] == sent
+    (press,) = {*network.presses}
+    assert press
+
+
 def test_an_emergency_stop_is_a_command_and_no_stop() -> None:
     network = Network({HW: RESTS})
     assert SentGroupStop(network.client(), ("*", "*"), emergency=True).replies() == {HW: RESTS}
@@ -220,7 +231,7 @@ def robots(monkeypatch: pytest.MonkeyPatch) -> Robots:
     made = Robots()
 
     class Sent:
-        def __init__(self, client: object, place: Place, *, emergency: bool) -> None:
+        def __init__(self, client: object, place: Place, *, emergency: bool, **_: object) -> None:
             self.place = place
             made.send(client, place)
             made.emergencies += emergency

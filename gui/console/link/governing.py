@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Final
 
 from beatrix_zenoh.client import BeatrixError, Presence, RobotState
-from beatrix_zenoh.client.lease import govern, pending
+from beatrix_zenoh.client.lease import govern, pending, refused
 from beatrix_zenoh.client.lesson_reports import Row, read
 from beatrix_zenoh.contract._generated.messages import LeaseQuery
 from gui.console.link.connection import Session
@@ -31,7 +31,7 @@ def send_govern(action: Govern, session: Session, report: Callable[[Outcome], No
     places = action.places or tuple(sorted(session.monitor.present()))
     query = LeaseQuery(action=action.action, speed=action.speed, seat=action.seat)
     results = dict(govern(session.client, places, query))
-    later = {} if action.places else pending(session.client, query)
+    later = {} if action.places or refused(session.client, results) else pending(session.client, query)
     failed = {place: found for place, found in results.items() if isinstance(found, BeatrixError)}
     report(of_several(action.row, len(results) or len(later), failed))
 

@@ -39,8 +39,5 @@ def send_stop(sender: StopSender, action: SendStop, session: Session, report: Re
                 report(failed(action.row, place[1], answer))
 
     places = [("*", "*")] if action.everywhere else [hw, sim]
-    if action.emergency:
-        # The router of a class does not forward EMERGENCY_STOP to simulations of other seats.
-        sender.send([session.client], [("*", "sim") if action.everywhere else sim], lambda _: None)
     expected = session.monitor.present() if action.everywhere else ()
     sender.send([session.client], places, answered, expected, YIELD_S, emergency=action.emergency)
