@@ -11,7 +11,15 @@ import typer
 
 from beatrix_zenoh.client.request import absent_reason
 from beatrix_zenoh.client.session import Client, Place
-from beatrix_zenoh.client.stopping import IF_IT_MOVES, Answer, SentGroupStop, matches, sentence, silences
+from beatrix_zenoh.client.stopping import (
+    IF_IT_MOVES,
+    PRESS_BYTES,
+    Answer,
+    SentGroupStop,
+    matches,
+    sentence,
+    silences,
+)
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason, Source
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, WrongUsage
@@ -127,7 +135,7 @@ def _send(
     settings: Settings, asked: Sequence[str], side: str, *, emergency: bool
 ) -> tuple[dict[Place, Answer], Sequence[Place]]:
     with Client(settings, source=Source.CLI) as client:
-        press = os.urandom(8)  # the same for all: robots count it once
+        press = os.urandom(PRESS_BYTES)  # the same for all: robots count it once
         sent = [SentGroupStop(client, (robot, side), press, emergency=emergency) for robot in asked]
         present = client.robots()  # after STOP is sent, but before a node that hangs loses its token
         found = [place for place in present if any(matches((robot, side), place) for robot in asked)]
