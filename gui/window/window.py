@@ -164,6 +164,8 @@ class Window(QMainWindow):
 
     def _build(self, view: View) -> None:
         """Create all widgets, at the start and for another language."""
+        if self.centralWidget() is not None:
+            self.panels.plots.close()
         self.panels = Panels(Texts(view.choices.language))
         self.panels.tabs.setCurrentIndex(list(Tab).index(view.choices.tab))
         self.panels.intent.connect(self.handle)

@@ -31,7 +31,6 @@ class TimeBox(pg.ViewBox):  # type: ignore[misc]  # pyqtgraph has no types
         super().__init__(enableMenu=False)
         self.setMouseEnabled(x=True, y=False)
         self.setLimits(xMin=-SPAN_MAX_S, xMax=0.0, minXRange=SPAN_MIN_S, maxXRange=SPAN_MAX_S)
-        self.setAutoVisible(y=True)
 
     def hoverEvent(self, event: HoverEvent) -> None:  # noqa: N802
         """Report the time at the mouse."""
@@ -61,7 +60,7 @@ class Curves(QWidget):
         self.label = QLabel()
         self.label.setWordWrap(True)
         self.box = TimeBox()
-        self.box.setLimits(minYRange=least)
+        self._least, self._range = least, (0.0, 0.0)
         self.area = pg.PlotWidget(viewBox=self.box)
         self.area.setMinimumSize(1, 1)
         self.plot = self.area.getPlotItem()
@@ -92,10 +91,24 @@ class Curves(QWidget):
         """Draw times (s, before now) and values of each curve; show the values at the cursor, if there is one."""
         for line, (times, values) in zip(self.lines, curves, strict=True):
             line.setData(times, values)
+        self._fit([values for line, (_, values) in zip(self.lines, curves, strict=True) if line.isVisible()])
         self._cursor.setVisible(cursor_s is not None)
         if cursor_s is not None:
             self._cursor.setPos(cursor_s)
         self._show_legend([self._value(*curve, cursor_s) for curve in curves])
+
+    def _fit(self, curves: Sequence[Samples]) -> None:
+        """Show all values between round numbers: labels of an axis are costly to draw anew."""
+        values = np.concatenate([*curves, np.empty(0)])
+        values = values[np.isfinite(values)]
+        if len(values):
+            step = self._least / 4
+            low, high = (math.floor(values.min() / step), math.ceil(values.max() / step))
+            missing = max(0, 4 - (high - low))
+            limits = (low - (missing - missing // 2)) * step, (high + missing // 2) * step
+            if limits != self._range:
+                self._range = limits
+                self.box.setYRange(*limits, padding=0.03)
 
     def _value(self, times: Samples, values: Samples, time_s: float | None) -> str:
         """Return a value in bold; empty without a time."""

@@ -9,7 +9,7 @@ from typing import Final
 
 import pyqtgraph as pg
 from PyQt5.QtCore import QBuffer, QIODevice, Qt
-from PyQt5.QtGui import QColor, QResizeEvent, QShowEvent
+from PyQt5.QtGui import QCloseEvent, QColor, QResizeEvent, QShowEvent
 from PyQt5.QtWidgets import QAction, QFileDialog, QGridLayout, QMenu, QPushButton, QWidget
 
 from beatrix_zenoh import colours as hues
@@ -317,6 +317,12 @@ class PlotsPanel(FilePanel):
     def showEvent(self, event: QShowEvent) -> None:  # noqa: N802
         super().showEvent(event)
         self._draw()
+
+    def closeEvent(self, event: QCloseEvent) -> None:  # noqa: N802
+        """Take the plots apart; pyqtgraph can fail if Qt does it, because their parts know each other."""
+        super().closeEvent(event)
+        for curves in self.plots.values():
+            curves.area.close()
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours of a theme; lines for a projector are wider."""
