@@ -31,6 +31,7 @@ from gui.console.state.views import BannerView, ButtonView, PillView, View
 from gui.console.state.world import LinkPhase, World, online
 from gui.console.texts import Texts, load
 from gui.page.messages import DRIVING, OWN
+from gui.page.shelf import Desk
 
 HISTORY: Final = 40
 """Largest number of rows of the history of a page."""
@@ -40,7 +41,7 @@ QUIET_S: Final = 0.5
 """Longest time between two views, even if nothing has changed: the page notices that its server is lost."""
 OFFERED: Final = get_args(OWN) + get_args(DRIVING)
 ENCODER: Final = msgspec.json.Encoder(enc_hook=str)  # `str`, because some buttons of the console name a file
-TEXT_KEYS: Final = ("page.", "label.", "arm.")
+TEXT_KEYS: Final = ("page.", "label.", "arm.", "gesture.")
 """Beginnings of the keys of the texts that the scripts of the page use."""
 
 
@@ -74,6 +75,7 @@ class Face:
         send: Callable[[bytes], None],
         close: Callable[[], None],
         stop: Callable[[Face, SendStop], None],
+        desk: Desk,
     ) -> None:
         """Begin to watch a robot.
 
@@ -83,9 +85,10 @@ class Face:
             send: sends a message to the browser.
             close: closes the web socket of the page.
             stop: sends STOP for a page that does not drive.
+            desk: the programs of its seat.
         """
         self.robot, self._world = world.robot, world
-        self.visitor, self.close = visitor, close
+        self.visitor, self.close, self.desk = visitor, close, desk
         self.driver: Driver | None = None
         self.shows_class = False
         self.state = State()
@@ -175,6 +178,8 @@ class Face:
             "pills": [_pill(pill) for pill in view.pills],
             "head": replace(view.head, path=()),
             "history": view.history[:HISTORY],
+            "programs": self.desk.view,
+            "opened": self.desk.opened,
             **{
                 name: getattr(view, name)
                 for name in (

@@ -30,6 +30,7 @@ from gui.console.link.stopping import send_stop
 from gui.console.state.actions import SendStop
 from gui.console.state.intents import Stop
 from gui.page.face import Driver, Face
+from gui.page.shelf import Desk, Shelf
 
 DEAD_MAN_S: Final = 0.4
 """Longest time without a heartbeat of the page; then a moving robot is stopped. Pages send ten heartbeats a second."""
@@ -47,19 +48,20 @@ OnPicture = Callable[[Camera, CameraImage], None]
 class Hub:
     """Gives pages the states of robots, and links with which they drive."""
 
-    def __init__(self, settings: Settings, only: str | None, call: Callable[..., None]) -> None:
+    def __init__(self, settings: Settings, only: str | None, call: Callable[..., None], shelf: Shelf) -> None:
         """Begin to watch the robots.
 
         Args:
             settings: router and seat.
             only: name of the only robot that pages may use; None: all robots at the router.
             call: runs a function with its arguments on the server's loop; any thread may use it.
+            shelf: the programs of all seats.
 
         Raises:
             NoAnswer: NO_ROUTER.
         """
         Client(settings, announce=False).close()  # to find out whether a router answers
-        self.settings, self._only, self._call = settings, only, call
+        self.settings, self._only, self._call, self._shelf = settings, only, call, shelf
         self._link = Link(settings, lambda _: None, lambda _, __: None, source=Source.PAGE)
         self.pages: set[Face] = set()
         self._stop_sender = StopSender("web")
@@ -87,7 +89,8 @@ class Hub:
     def new_page(self, visitor: str, send: Callable[[bytes], None], close: Callable[[], None]) -> Face:
         """Return the face of a new page, which shows the first robot; `close` closes the page's web socket."""
         robot = next(iter(self.robots()), self._only or self.settings.robot)
-        face = Face(self._link.world(robot), visitor, send, close, self._stop)
+        desk = Desk(self._shelf, visitor)
+        face = Face(self._link.world(robot), visitor, send, close, self._stop, desk)
         self.pages.add(face)
         return face
 

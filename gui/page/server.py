@@ -15,6 +15,7 @@ from typing import Final
 
 from tornado import httpserver, ioloop, iostream, web
 
+from beatrix_zenoh import files
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.settings import Settings
@@ -22,6 +23,7 @@ from beatrix_zenoh.shutdown import Shutdown
 from gui.page.handlers import Context, Front, Live, Nothing, Pictures, Projector, StaticFiles, Stopper
 from gui.page.hub import Hub
 from gui.page.protection import Login
+from gui.page.shelf import Shelf
 
 CONNECTIONS_MAX: Final = 192
 """Largest number of connections: a page needs two, and a system may allow a process only 256 open files."""
@@ -47,8 +49,8 @@ LIMITS: Final = {
     "body_timeout": REQUEST_S,
     "idle_connection_timeout": REQUEST_S,
 }
-MESSAGE_MAX: Final = 32768
-"""Largest message of a page, bytes: the choices and poses that its browser has kept."""
+MESSAGE_MAX: Final = 131072
+"""Largest message of a page, bytes: a program, whose quotes double in JSON."""
 
 
 class Server(httpserver.HTTPServer):
@@ -99,7 +101,8 @@ async def serve(
     """
     logging.getLogger("tornado").setLevel(logging.ERROR)  # each bad request would be a warning, without limit
     with contextlib.closing(bind(port, LOOPBACK if pin is None else ALL)) as listening:
-        hub = Hub(settings, only, ioloop.IOLoop.current().add_callback)
+        shelf = Shelf(files.user_folder() / "programs")
+        hub = Hub(settings, only, ioloop.IOLoop.current().add_callback, shelf)
         port = listening.getsockname()[1]
         server = Server(application(Context(hub, Login(pin), f"beatrix-{port}")), **LIMITS)
         server.add_socket(listening)
@@ -152,7 +155,7 @@ def application(context: Context) -> web.Application:
             ("/stop", Stopper),
             ("/live", Live),
             ("/pictures", Pictures),
-            (r"/static/([a-z.]+)", StaticFiles, {"path": str(STATIC)}),
+            (r"/static/([a-z_/.-]+)", StaticFiles, {"path": str(STATIC)}),
         ],
         default_handler_class=Nothing,
         context=context,

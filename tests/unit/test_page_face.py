@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import time
+from pathlib import Path
 from typing import get_args
 from unittest.mock import MagicMock
 
@@ -22,6 +23,9 @@ from gui.page.face import Driver, Face
 from gui.page.handlers import MALFORMED
 from gui.page.protection import Login
 from gui.page.server import STATIC
+from gui.page.shelf import Desk, Shelf
+
+DESK = Desk(Shelf(Path("nowhere")), "guest-1")
 
 
 @pytest.mark.parametrize(
@@ -115,7 +119,7 @@ def test_a_message_of_a_button_or_a_field_is_read(sent: str) -> None:
 
 def driving(now: World) -> tuple[Face, MagicMock]:
     """Return the face of a page that drives, and its link."""
-    face, link = Face(now, "guest-1", lambda _: None, lambda: None, lambda *_: None), MagicMock()
+    face, link = Face(now, "guest-1", lambda _: None, lambda: None, lambda *_: None, DESK), MagicMock()
     face.driver = Driver(link, "web-mia", time.monotonic())
     return face, link
 
