@@ -14,14 +14,14 @@ from typing import Final
 import msgspec
 
 from beatrix_zenoh import files
+from beatrix_zenoh.blocks import python
+from beatrix_zenoh.blocks.program import BYTES_MAX, WrongProgram, read
 from beatrix_zenoh.contract.errors import BeatrixError
 from gui.page.messages import SaveProgram
 
 NAME: Final = re.compile(r"[\w-](?:[\w -]{0,38}[\w-])?")
 DEVICES: Final = re.compile(r"(?i)con|prn|aux|nul|com\d|lpt\d")
 """Names that Windows keeps for devices, whatever their ending."""
-PROGRAM_MAX: Final = 65536
-"""Largest program, bytes."""
 PROGRAMS_MAX: Final = 50
 """Largest number of programs of a seat."""
 VERSIONS_MAX: Final = 10
@@ -70,7 +70,7 @@ class Shelf:
             raise NotKept("page.program_missing", name=name[:40])
         path = self._path(seat, name)
         try:
-            program = files.text(path, PROGRAM_MAX, "JSON")
+            program = files.text(path, BYTES_MAX, "JSON")
             msgspec.json.decode(program, type=dict[str, msgspec.Raw])
         except (OSError, BeatrixError, msgspec.DecodeError, RecursionError):
             raise NotKept(
@@ -88,7 +88,7 @@ class Shelf:
         name = unicodedata.normalize("NFC", name).strip()
         if not NAME.fullmatch(name) or DEVICES.fullmatch(name):
             raise NotKept("page.program_name", name=name[:40])
-        if len(program.encode(errors="replace")) > PROGRAM_MAX:
+        if len(program.encode(errors="replace")) > BYTES_MAX:
             raise NotKept("page.program_large", name=name)
         names = self.names(seat)
         name = next((one for one in names if one.casefold() == name.casefold()), name)
@@ -204,5 +204,8 @@ class Desk:
 
 
 def python_text(program: str) -> str:
-    """Return the program as Python; empty if it cannot be read."""
-    return program[:0]
+    """Return the program as Python; a comment with the reason if it cannot run."""
+    try:
+        return python.text(read(program))
+    except WrongProgram as error:
+        return f"# {error}"
