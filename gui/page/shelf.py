@@ -33,6 +33,10 @@ SAVES_MAX, SAVE_S = 5, 1.0
 """A page may save this often at once, and then once in this time: honest pages never do."""
 
 
+Sentence = tuple[str, dict[str, str]]
+"""Key and slots of a text."""
+
+
 class NotKept(Exception):
     """A program cannot be kept or opened; `key` is that of the sentence for the user."""
 
@@ -140,8 +144,11 @@ class ProgramsView:
     others: tuple[tuple[str, str], ...] = ()
     """seats and names that the teacher may open"""
     python: str = ""
-    note: tuple[str, dict[str, str]] = ("", {})
-    """key and slots of the sentence about the last save"""
+    """the open program as Python"""
+    wrong: Sentence | None = None
+    """why it cannot run as it is"""
+    note: Sentence = ("", {})
+    """what became of the last save"""
 
 
 @dataclass(frozen=True)
@@ -182,7 +189,7 @@ class Desk:
             return
         if request.opens:
             self.opened = Opened(name, "", program)
-        self._show(python=python_text(program), note=("page.program_saved", {"time": time.strftime("%H:%M")}))
+        self._show(**_translated(program), note=("page.program_saved", {"time": time.strftime("%H:%M")}))
 
     def open(self, name: str, owner: str = "") -> None:
         """Open a program of this seat; the teacher may look at one of another seat."""
@@ -195,7 +202,7 @@ class Desk:
             self._show(note=(error.key, error.slots))
         else:
             self.opened = Opened(name, owner, program)
-            self._show(python=python_text(program), note=("", {}))
+            self._show(**_translated(program), note=("", {}))
 
     def _show(self, **changes: object) -> None:
         others = [seat for seat in self._shelf.seats() if seat != self._seat] if self._teacher else ()
@@ -203,9 +210,9 @@ class Desk:
         self.view = replace(self.view, names=self._shelf.names(self._seat), others=listed, **changes)  # type: ignore[arg-type]
 
 
-def python_text(program: str) -> str:
-    """Return the program as Python; a comment with the reason if it cannot run."""
+def _translated(program: str) -> dict[str, object]:
+    """Return the parts `python` and `wrong` of the view: the program as Python, or why it has none."""
     try:
-        return python.text(read(program))
+        return {"python": python.text(read(program)), "wrong": None}
     except WrongProgram as error:
-        return f"# {error}"
+        return {"python": "", "wrong": (f"blocks.{error.key}", {"text": error.message, **error.slots})}

@@ -165,7 +165,7 @@ function show(program) {
 
 function changed(event) {
   if (event.isUiEvent) return;
-  for (const block of workspace.getTopBlocks()) block.getSvgRoot().classList.toggle("loose", block.type !== "start");
+  for (const block of workspace.getAllBlocks()) block.getSvgRoot().classList.toggle("loose", !block.getParent() && block.type !== "start");
   if (!open.owner) timer ||= setTimeout(keep, SAVE_MS);
 }
 
@@ -178,8 +178,11 @@ function keep(ran = false) {
   return program;
 }
 
-// Keeps a program under a name; the page shows it when the server has it.
-const keepAs = (name, program) => send({ do: "save_program", name, program, opens: true });
+// Keeps a program under another name; the page shows it when the server has it.
+function keepAs(name, program) {
+  keep();
+  send({ do: "save_program", name, program, opens: true });
+}
 
 function freeName(wanted) {
   const names = page.view.programs.names.map((one) => one.toLowerCase());
@@ -225,12 +228,12 @@ function showRun({ run, end, block, text: result, at }) {
   Blockly.common.setSelected(refused);
 }
 
-function showPrograms({ names, others, python, note: [key, slots] }) {
+function showPrograms({ names, others, python, wrong, note: [key, slots] }) {
   const list = byId("block-programs"), shown = names.includes(open.name) || open.owner ? names : [open.name, ...names];
   const option = (owner, name) => new Option(owner ? `${owner}: ${name}` : name, JSON.stringify([owner, name]));
   list.replaceChildren(...shown.map((name) => option("", name)), ...others.map(([owner, name]) => option(owner, name)));
   list.value = JSON.stringify([open.owner, open.name]);
-  byId("block-code").value = python;
+  byId("block-code").value = wrong ? `# ${page.text(...wrong)}` : python;
   note(key && page.text(key, slots));
 }
 
@@ -293,7 +296,7 @@ export function connectBlocks(functions) {
     if (workspace) keep();
     send({ do: "open_program", seat, name });
   };
-  byId("block-new").onclick = () => { keep(); keepAs(freeName(text("first")), JSON.stringify(NEW)); };
+  byId("block-new").onclick = () => keepAs(freeName(text("first")), JSON.stringify(NEW));
   byId("block-name").onclick = () => ask(text("name_tip"), open.name, (name) => { if (name) keepAs(name, current()); });
   byId("block-save").onclick = saveFile;
   byId("block-load").onclick = () => byId("block-file").click();
