@@ -21,7 +21,7 @@ from gui.page import messages, protection, server
 from gui.page.face import Driver, Face
 from gui.page.handlers import MALFORMED
 from gui.page.protection import Login
-from gui.page.server import STATIC
+from gui.page.static_files import STATIC
 
 
 @pytest.mark.parametrize(
