@@ -5,6 +5,7 @@ The methods of `Hub` run on the thread of the server's loop.
 
 from __future__ import annotations
 
+import asyncio
 import threading
 import time
 from collections import deque
@@ -94,24 +95,27 @@ class Hub:
         self.pages.add(face)
         return face
 
-    def show(self) -> None:
-        """Send all pages what has changed."""
+    async def show(self) -> None:
+        """Send all pages what has changed, one after the other: requests, such as STOP, wait for one view at most."""
         self._link.look()
         robots = self.robots()
         for face in self.pages if robots else ():
             if not face.aimed and face.robot not in robots:
                 self.watch(face, robots[0])  # none was online when the page was opened
+        session = self._link.session
         shown = any(face.shows_class for face in self.pages)
-        states = robots_online(self._link.session) if shown else ()
-        watched = {face.robot for face in self.pages if face.driver is None}
-        worlds = {robot: self._link.world(robot) for robot in watched}
+        states = robots_online(session) if shown else ()
         for face in list(self.pages):
+            if session is not None and not face.due(session.monitor.changes(face.robot), time.monotonic()):
+                continue
             try:
-                world = worlds[face.robot] if face.driver is None else face.driver.link.world()
+                driver = face.driver
+                world = self._link.world(face.robot) if driver is None else driver.link.world()
                 face.show(replace(world, robots=states if face.shows_class else ()), robots)
             except Exception as error:  # noqa: BLE001 - a fault of one page must not freeze the others
                 threads.show_error(error)
                 face.close()
+            await asyncio.sleep(0)
 
     def watch(self, face: Face, robot: str) -> None:
         """Show another robot to a page, and end its driver of the former robot."""

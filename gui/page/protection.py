@@ -20,7 +20,7 @@ WRONG_MAX: Final = 5
 
 WRONG_PIN: Final = "This PIN is wrong. Read it at the computer that runs `beatrix web`."
 WAIT: Final = "There were too many wrong PINs. Wait {seconds:.0f} s, then type the PIN again."
-BLOCK_STYLES: Final = "'self' 'sha256-Mpp7TbvFHtv0YspXin2MLIdaArPaD5O+gFUwoq8z38c=' 'sha256-CNKkhDcZXdefBHu8Isk8DYDDVfsaZAS2dOzilaRdlP0='; style-src-attr 'unsafe-inline'"
+BLOCK_STYLES: Final = "'self' 'sha256-Mpp7TbvFHtv0YspXin2MLIdaArPaD5O+gFUwoq8z38c=' 'sha256-xyn+siE7dlrphGa56tdAxYa7fIB6tr5xH9byXc4LASE='; style-src-attr 'unsafe-inline'"
 """The two style sheets that Blockly writes into the page, and its style attributes; scripts stay 'self'."""
 FOREIGN_HOST: Final = (
     "This server does not serve this address. Open the address that `beatrix web` has printed."

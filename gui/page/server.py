@@ -10,7 +10,6 @@ import os
 import secrets
 import socket
 from collections.abc import Callable
-from pathlib import Path
 from typing import Final
 
 from tornado import httpserver, ioloop, iostream, web
@@ -24,12 +23,12 @@ from gui.page.handlers import Context, Front, Live, Nothing, Pictures, Projector
 from gui.page.hub import Hub
 from gui.page.protection import Login
 from gui.page.shelf import Shelf
+from gui.page.static_files import STATIC, StaticFolder
 
 CONNECTIONS_MAX: Final = 192
 """Largest number of connections: a page needs two, and a system may allow a process only 256 open files."""
 ADDRESS_MAX: Final = 64
 """Largest number of connections of one address."""
-STATIC: Final = Path(__file__).parent / "static"
 LOOPBACK, ALL = "127.0.0.1", "0.0.0.0"  # noqa: S104  # only with --lan, behind a PIN
 SHOW_MS: Final = 100
 """Period of the views that pages get."""
@@ -104,7 +103,9 @@ async def serve(
         shelf = Shelf(files.user_folder() / "programs")
         hub = Hub(settings, only, ioloop.IOLoop.current().add_callback, shelf)
         port = listening.getsockname()[1]
-        server = Server(application(Context(hub, Login(pin), f"beatrix-{port}")), **LIMITS)
+        server = Server(
+            application(Context(hub, Login(pin), f"beatrix-{port}", StaticFolder.read())), **LIMITS
+        )
         server.add_socket(listening)
         await _run(server, hub, lambda: ready(port), shutdown)
 
@@ -155,7 +156,8 @@ def application(context: Context) -> web.Application:
             ("/stop", Stopper),
             ("/live", Live),
             ("/pictures", Pictures),
-            (r"/static/([a-z_/.-]+)", StaticFiles, {"path": str(STATIC)}),
+            (context.static.root + r"/([a-z0-9_./-]+)", StaticFiles),
+            (r"/static/(vendor/[a-z0-9_./-]+)", StaticFiles),  # a path that outlives changes of the page
         ],
         default_handler_class=Nothing,
         context=context,

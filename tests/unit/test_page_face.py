@@ -22,8 +22,8 @@ from gui.page import messages, protection, server
 from gui.page.face import Driver, Face
 from gui.page.handlers import MALFORMED
 from gui.page.protection import Login
-from gui.page.server import STATIC
 from gui.page.shelf import Desk, Shelf
+from gui.page.static_files import STATIC
 
 DESK = Desk(Shelf(Path("nowhere")), "guest-1")
 

@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 from beatrix_zenoh.blocks.program import BYTES_MAX
 from gui.page.messages import SaveProgram
-from gui.page.server import STATIC
 from gui.page.shelf import PROGRAMS_MAX, SAVES_MAX, VERSIONS_MAX, Desk, NotKept, Opened, Shelf
+from gui.page.static_files import STATIC
 
 START = {"type": "start", "id": "s"}
 EMPTY = json.dumps({"blocks": {"blocks": [START]}})
@@ -173,7 +173,7 @@ def test_a_page_that_saves_too_often_is_refused(shelf: Shelf) -> None:
 
 
 def test_the_vendored_files_are_those_of_the_release() -> None:
-    folder = STATIC / "vendor/blockly"
+    folder = STATIC / "vendor/blockly-12.5.1"
     lines = [
         line.split() for line in (folder / "SHA256SUMS").read_text().splitlines() if line[:1] not in ("#", "")
     ]

@@ -2,8 +2,7 @@
 import { send } from "./connection.js";
 import { onTab } from "./tabs.js";
 
-const VENDOR = "/static/vendor/blockly/";
-const VERSION = "?v=12.5.1"; // so that the browser keeps these files
+const VENDOR = "/static/vendor/blockly-12.5.1/"; // not below the path of this file, because the content policy has hashes of this text
 const SAVE_MS = 1000; // shortest time between two saves
 const SMALL = matchMedia("(max-width: 700px)");
 const NEW = { blocks: { languageVersion: 0, blocks: [{ type: "start", x: 24, y: 24 }] } };
@@ -60,11 +59,10 @@ function define() {
   Blockly.defineBlocksWithJsonArray(blocks);
 }
 
+const shadows = (numbers) => Object.fromEntries(Object.entries(numbers).map(([name, NUM]) => [name, { shadow: { type: "math_number", fields: { NUM } } }]));
+
 function toolbox() {
-  const item = ([type, numbers = {}, extraState]) => ({
-    kind: "block", type, extraState,
-    inputs: Object.fromEntries(Object.entries(numbers).map(([name, NUM]) => [name, { shadow: { type: "math_number", fields: { NUM } } }])),
-  });
+  const item = ([type, numbers = {}, extraState]) => ({ kind: "block", type, extraState, inputs: shadows(numbers) });
   const contents = Object.entries(CATEGORIES).map(([name, blocks]) => {
     const offered = blocks.filter(([type]) => !types || types.includes(type));
     const category = { kind: "category", name: text(name), categorystyle: `${name}_category` };
@@ -93,7 +91,7 @@ function theme() {
 // -- the editor ---------------------------------------------------------------------------------------
 
 const load = (file) => new Promise((done, fail) => {
-  const script = Object.assign(document.createElement("script"), { src: `${VENDOR}${file}.js${VERSION}`, onload: done, onerror: fail });
+  const script = Object.assign(document.createElement("script"), { src: `${VENDOR}${file}.js`, onload: done, onerror: fail });
   document.head.append(script);
 });
 
@@ -137,6 +135,8 @@ function inject() {
     zoom: { controls: !SMALL.matches, pinch: true, startScale: SMALL.matches ? 0.65 : 0.8, minScale: 0.4, maxScale: 1.5 },
   });
   workspace.addChangeListener(changed);
+  workspace.registerToolboxCategoryCallback("VARIABLE", (own) => Blockly.Variables.flyoutCategory(own, false).map(
+    (item) => (item.type === "variables_set" ? { ...item, inputs: shadows({ VALUE: 0 }) } : item)));
   fit();
   show(program ?? open.program);
   if (program === null && page.view.blocks) showRun(page.view.blocks);

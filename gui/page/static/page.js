@@ -1,10 +1,12 @@
 // The control page: draws the parts of the view that its server sends, and sends the intent of each button.
-import { connect, isOpen, send, trouble } from "./connection.js";
 import { BLOCKS, connectBlocks } from "./blocks.js";
+import { connect, isOpen, send, sinceRequest, sinceSent, trouble } from "./connection.js";
 import { connectEyes, showEyes } from "./eyes.js";
 import { connectTabs } from "./tabs.js";
 
-const BEAT_MS = 100; // period of the heartbeats of a page that drives or waits
+const BEAT_MS = 100; // period of the heartbeats of a page whose robots move, or may move after a message
+const REST_MS = 500; // period of the heartbeats of a page that drives or waits, and moves nothing
+const BEGIN_MS = 1000; // time after a message in which a motion begins
 const AIM_MS = 60; // shortest time between two targets
 const CONFIRM_MS = 5000;
 const SPEEDS = [10, 20, 30, 40, 60, 90]; // °/s
@@ -296,7 +298,7 @@ function showStop(sent) {
 
 function beat() {
   if (held) send({ do: "HoldArm", arm: held.dataset.part, sign: Number(held.dataset.sign) });
-  else if (view.you.drives) send({ do: "beat" });
+  else if (view.you.drives && (view.you.moves || sinceRequest() < BEGIN_MS || sinceSent() >= REST_MS)) send({ do: "beat" });
 }
 
 function pressButton(button) {
