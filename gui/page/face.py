@@ -204,7 +204,7 @@ class Face:
             **{
                 name: getattr(view, name)
                 for name in (
-                    *("title", "robot", "arms", "sending", "commands", "sequence"),
+                    *("title", "robot", "arms", "sending", "commands", "blocks", "sequence"),
                     *("last", "stop", "emergency"),
                 )
             },
