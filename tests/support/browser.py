@@ -33,7 +33,8 @@ OPTIONS = (
 )
 LONGEST = 50_000_000
 """Largest message from the browser (bytes): a picture of the page."""
-KEYS = {" ": "Space", "Escape": "Escape", "ArrowLeft": "ArrowLeft"}
+KEYS = {" ": 32, "Enter": 13, "Escape": 27, "ArrowLeft": 37}
+"""Keys, with the codes that some libraries still read."""
 
 
 class Browser:
@@ -174,7 +175,10 @@ class Browser:
     def key(self, key: str) -> None:
         """Press and release a key."""
         for kind in ("rawKeyDown", "keyUp"):
-            self.call("Input.dispatchKeyEvent", type=kind, key=key, code=KEYS[key])
+            code = key.replace(" ", "Space")
+            self.call(
+                "Input.dispatchKeyEvent", type=kind, key=key, code=code, windowsVirtualKeyCode=KEYS[key]
+            )
 
     def type(self, text: str) -> None:
         """Type a text into the element that has the focus."""
