@@ -71,7 +71,7 @@ class Face:
         self,
         world: World,
         visitor: str,
-        send: Callable[[bytes], None],
+        send: Callable[[bytes], object],
         close: Callable[[], None],
         stop: Callable[[Face, SendStop], None],
     ) -> None:
@@ -173,7 +173,9 @@ class Face:
             "empty": class_page.empty(world, texts) if self.shows_class else None,
             "banner": _banner(view, world),
             "pills": [_pill(pill) for pill in view.pills],
-            "head": replace(view.head, path=()),
+            "head": replace(view.head, path=(), drag=replace(view.head.drag, border=())),
+            "border": view.head.drag.border,
+            "gestures": {"gestures": view.gestures.gestures, "refusal": view.gestures.refusal},
             "history": view.history[:HISTORY],
             **{
                 name: getattr(view, name)

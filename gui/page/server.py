@@ -21,6 +21,7 @@ from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import Shutdown
 from gui.page.handlers import Context, Front, Live, Nothing, Pictures, Projector, StaticFiles, Stopper
 from gui.page.hub import Hub
+from gui.page.mesh import HeadMesh
 from gui.page.protection import Login
 
 CONNECTIONS_MAX: Final = 192
@@ -33,6 +34,8 @@ SHOW_MS: Final = 100
 """Period of the views that pages get."""
 HEARTBEAT_MS: Final = 50
 """Period of the check for heartbeats."""
+POSE_MS: Final = 50
+"""Period of the poses that pages get of a robot that moves."""
 PING_S: Final = 5.0
 """Period of pings to each page; the connection of a page that does not reply is closed."""
 REQUEST_S: Final = 20.0
@@ -113,6 +116,7 @@ async def _run(server: Server, hub: Hub, ready: Callable[[], None], shutdown: Sh
         ioloop.PeriodicCallback(lambda: ended.set() if shutdown.requested(0.0) else None, SHOW_MS),
         ioloop.PeriodicCallback(hub.show, SHOW_MS),
         ioloop.PeriodicCallback(hub.check_heartbeats, HEARTBEAT_MS),
+        ioloop.PeriodicCallback(hub.poses.send, POSE_MS),
     ]
     for timer in timers:
         timer.start()
@@ -152,6 +156,7 @@ def application(context: Context) -> web.Application:
             ("/stop", Stopper),
             ("/live", Live),
             ("/pictures", Pictures),
+            ("/head.json", HeadMesh),
             (r"/static/([a-z.]+)", StaticFiles, {"path": str(STATIC)}),
         ],
         default_handler_class=Nothing,
