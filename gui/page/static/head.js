@@ -4,7 +4,7 @@ import { flat, webgl } from "./paint.js";
 
 const SIDES = ["sim", "hw"]; // by the number in a message of a pose
 const DEG = 180 / Math.PI;
-const GHOST = { share: 0.6, alpha: 0.3 };
+const GHOST = { share: 0.75, alpha: 0.3 };
 const GREY = { tint: [110, 120, 130], share: 0.7, alpha: 1 }; // of a robot that is silent
 const NEAR_DEG = 0.35; // difference of two heads that are drawn as one
 const GLOW = 0.85; // share of a limit from which its border glows

@@ -360,7 +360,7 @@ const target = () => (aiming || dragging || performance.now() - aimed < 400 ? wa
 
 function sendAim() {
   send({ do: "AimHead", ...wanted });
-  if (dragging && view.choices.live) send({ do: "LiveHead" });
+  if (dragging && view.you.drives && view.choices.live) send({ do: "LiveHead" });
 }
 
 let aiming = 0, dragging = false;
@@ -382,13 +382,13 @@ function finishAim() {
 function grab() {
   wanted = target();
   dragging = true;
-  if (view.choices.live) send({ do: "GrabHead" });
+  send({ do: "GrabHead" });
 }
 
 function releaseHead() {
   finishAim();
   dragging = false;
-  if (view.choices.live || view.choices.send_on_release) send({ do: "ReleaseHead" });
+  if (view.you.drives) send({ do: "ReleaseHead" }); // it sends the target, if that was chosen
 }
 
 // -- building -----------------------------------------------------------------------------------------
