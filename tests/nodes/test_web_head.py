@@ -25,7 +25,7 @@ from beatrix_zenoh.motion.rotation import rotation_of
 from gui.console.state.intents import HeadOrientation
 from gui.console.state.sending import border_deg
 from gui.page.poses import LAYOUT
-from gui.window.widgets.head3d_drag import Drag, Part, picked
+from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, picked
 
 FULL = (1366, 768)
 SEEN = Viewpoint(zoom=0.2 / 0.172, height=0.066)
@@ -188,7 +188,8 @@ def _compare(case: dict[str, Any], result: dict[str, Any]) -> None:
     )
     assert result["picked"] == picked(screen, head, *case["from"])
     drag = Drag(screen, head, Part(case["part"]), *case["from"])
-    to = drag.at(*case["to"], 35.0 * 1.2, 170.0)
+    x, y = case["to"]
+    to = drag.at(x, y, 35.0 * BEYOND, 170.0)
     assert [result["dragged"][name] for name in ("yaw", "pitch", "roll")] == pytest.approx(
         to.tenths, abs=0.11
     )

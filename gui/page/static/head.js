@@ -142,11 +142,11 @@ function drawMarks(pen, screen, { drag: { refused, reason }, yaw_max: yawMax }, 
     ring(pen, tip, 7, held === "face" ? "accent" : "text", 3);
   }
   if (refused) {
-    const [x, y] = onHead(screen, refused, model.crown);
-    Object.assign(pen, { fillStyle: colour("bad"), strokeStyle: colour("field"), lineWidth: 5, lineJoin: "round" });
-    Object.assign(pen, { font: "600 15px system-ui, sans-serif", textAlign: "center" });
-    pen.strokeText(`✕ ${reason}`, x, y);
-    pen.fillText(`✕ ${reason}`, x, y);
+    const [x, y] = onHead(screen, refused, model.crown), label = `✕ ${reason}`;
+    Object.assign(pen, { fillStyle: colour("bad"), strokeStyle: colour("field"), lineWidth: 5, lineJoin: "round", font: "600 15px system-ui, sans-serif" });
+    const { width } = pen.measureText(label), left = Math.max(6, Math.min(screen.width - width - 6, x - width / 2));
+    pen.strokeText(label, left, y);
+    pen.fillText(label, left, y);
   }
 }
 
