@@ -296,7 +296,8 @@ function copy() {
 
 export function connectBlocks(functions) {
   page = functions;
-  onTab("blocks", start);
+  onTab("drive", () => byId("head").prepend(byId("stage")));
+  onTab("blocks", () => { byId("block-stage").append(byId("stage")); start(); });
   byId("block-programs").onchange = (event) => {
     const [seat, name] = JSON.parse(event.target.value);
     if (workspace) keep();
