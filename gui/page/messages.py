@@ -72,6 +72,8 @@ OWN: Final = (
     | SetDuration
     | actions.ChooseRobot
     | intents.EmergencyStop
+    | intents.LimitClass
+    | actions.Govern
     | ReleaseArm
 )
 """Intents of every page: they change only this page, or stop robots."""
