@@ -30,7 +30,8 @@ from gui.console.state.state import State
 from gui.console.state.views import BannerView, ButtonView, ClassView, PillView, View
 from gui.console.state.world import LinkPhase, World, online
 from gui.console.texts import Texts, load
-from gui.page.messages import DRIVING, OWN
+from gui.page.messages import DRIVING, OWN, OpenProgram, SaveProgram
+from gui.page.shelf import Desk
 
 HISTORY: Final = 40
 """Largest number of rows of the history of a page."""
@@ -40,7 +41,7 @@ QUIET_S: Final = 0.5
 """Longest time between two views, even if nothing has changed: the page notices that its server is lost."""
 OFFERED: Final = get_args(OWN) + get_args(DRIVING)
 ENCODER: Final = msgspec.json.Encoder(enc_hook=str)  # `str`, because some buttons of the console name a file
-TEXT_KEYS: Final = ("page.", "label.", "arm.")
+TEXT_KEYS: Final = ("page.", "label.", "arm.", "gesture.", "blocks.")
 """Beginnings of the keys of the texts that the scripts of the page use."""
 
 
@@ -74,6 +75,7 @@ class Face:
         send: Callable[[bytes], None],
         close: Callable[[], None],
         stop: Callable[[Face, SendStop], None],
+        desk: Desk,
     ) -> None:
         """Begin to watch a robot.
 
@@ -83,9 +85,10 @@ class Face:
             send: sends a message to the browser.
             close: closes the web socket of the page.
             stop: sends STOP for a page that does not drive.
+            desk: the programs of its seat.
         """
         self.robot, self._world = world.robot, world
-        self.visitor, self.close = visitor, close
+        self.visitor, self.close, self.desk = visitor, close, desk
         self.driver: Driver | None = None
         self.link: Link | None = None
         """the page's own link in a class, with the account of its seat, also while it only watches"""
@@ -214,10 +217,12 @@ class Face:
             "pills": [_pill(pill) for pill in view.pills],
             "head": replace(view.head, path=()),
             "history": view.history[:HISTORY],
+            "programs": self.desk.view,
+            "opened": self.desk.opened,
             **{
                 name: getattr(view, name)
                 for name in (
-                    *("title", "robot", "arms", "sending", "commands", "sequence"),
+                    *("title", "robot", "arms", "sending", "commands", "blocks", "sequence"),
                     *("last", "stop", "emergency"),
                 )
             },
@@ -265,6 +270,14 @@ class Face:
             self.notify("")
         if isinstance(action, SendStop) and (link is None or self._world.phase is not LinkPhase.ONLINE):
             self._stop(self, action)
+
+    def use_programs(self, request: SaveProgram | OpenProgram) -> None:
+        """Keep a program of blocks, or open one."""
+        self._fresh = True
+        if isinstance(request, SaveProgram):
+            self.desk.save(request)
+        else:
+            self.desk.open(request.name, request.seat)
 
     def report(self, outcome: Outcome) -> None:
         """Show the outcome of a request."""

@@ -128,6 +128,11 @@ class Front(Guarded):
 
     template = "page.html"
 
+    def set_default_headers(self) -> None:
+        """Set the headers, with the styles of the blocks."""
+        for name, value in protection.headers(self.host, protection.BLOCK_STYLES).items():
+            self.set_header(name, value)
+
     def get(self) -> None:
         """Show the page to a browser that is logged in; otherwise show the form, or log in if nothing is needed."""
         if self.visitor is not None:
@@ -250,6 +255,8 @@ HANDLES: Mapping[type, Callable[[Hub, Face, Never], None]] = {
     messages.Leave: lambda hub, face, _: hub.end_driver(face),
     messages.Hidden: lambda _, face, __: face.stop_moving(),
     messages.ShowClass: lambda _, face, request: face.show_class(on=request.on),
+    messages.SaveProgram: lambda _, face, request: face.use_programs(request),
+    messages.OpenProgram: lambda _, face, request: face.use_programs(request),
     actions.ChooseRobot: lambda hub, face, request: hub.watch(face, request.name),
 }
 """What carries out the messages of a page; the others are heartbeats, or intents of the console."""

@@ -32,6 +32,7 @@ from gui.console.state.actions import ChooseRobot, SendStop
 from gui.console.state.intents import Stop
 from gui.page.face import Driver, Face
 from gui.page.protection import Login
+from gui.page.shelf import Desk, Shelf
 
 DEAD_MAN_S: Final = 0.4
 """Longest time without a heartbeat of the page; then a moving robot is stopped. Pages send ten heartbeats a second."""
@@ -49,19 +50,20 @@ OnPicture = Callable[[Camera, CameraImage], None]
 class Hub:
     """Gives pages the states of robots, and links with which they drive."""
 
-    def __init__(self, settings: Settings, login: Login, call: Callable[..., None]) -> None:
+    def __init__(self, settings: Settings, login: Login, call: Callable[..., None], shelf: Shelf) -> None:
         """Begin to watch the robots.
 
         Args:
             settings: router and seat of the server.
             login: the browsers, their robots and accounts.
             call: runs a function with its arguments on the server's loop; any thread may use it.
+            shelf: the programs of all seats.
 
         Raises:
             NoAnswer: NO_ROUTER.
         """
         Client(settings, announce=False).close()  # to find out whether a router answers
-        self.settings, self.login, self._call = settings, login, call
+        self.settings, self.login, self._call, self._shelf = settings, login, call, shelf
         self._link = Link(settings, lambda _: None, lambda _, __: None, source=Source.PAGE)
         self.pages: set[Face] = set()
         self._stop_sender = StopSender("web")
@@ -102,7 +104,8 @@ class Hub:
             valid: returns a false value when the browser has to log in again.
         """
         robot = next(iter(self.robots(visitor)), self.settings.robot)
-        face = Face(self._link.world(robot), visitor, send, close, self._stop)
+        desk = Desk(self._shelf, visitor, teacher=visitor == names.TEACHER)
+        face = Face(self._link.world(robot), visitor, send, close, self._stop, desk)
         face.valid, face.shown = valid, self.login.shown(visitor)
         account = self.login.account(visitor)
         if account is not None:

@@ -8,8 +8,10 @@ import secrets
 from collections import deque
 from collections.abc import Sequence
 from itertools import count
+from pathlib import Path
 from typing import Final, NamedTuple, Protocol
 
+from beatrix_zenoh import files
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage
@@ -21,6 +23,8 @@ WINDOW_S: Final = 60.0
 WRONG_MAX: Final = 5
 """Largest number of wrong PINs of one address within WINDOW_S: for all PINs of six digits it needs four months."""
 
+BLOCK_STYLES: Final = "'self' 'sha256-Mpp7TbvFHtv0YspXin2MLIdaArPaD5O+gFUwoq8z38c=' 'sha256-xyn+siE7dlrphGa56tdAxYa7fIB6tr5xH9byXc4LASE='; style-src-attr 'unsafe-inline'"
+"""The two style sheets that Blockly writes into the page, and its style attributes; scripts stay 'self'."""
 FOREIGN_HOST: Final = (
     "This server does not serve this address. Open the address that `beatrix web` has printed."
 )
@@ -58,11 +62,14 @@ def origin_allowed(origin: str | None, host: str) -> bool:
     return origin == f"http://{host.lower()}"
 
 
-def headers(host: str) -> dict[str, str]:
-    """Return the headers of every reply: the page loads nothing from elsewhere, and no other page may show it."""
+def headers(host: str, styles: str = "'self'") -> dict[str, str]:
+    """Return the headers of every reply: the page loads nothing from elsewhere, and no other page may show it.
+
+    `styles`: the sources of styles; BLOCK_STYLES for the page with blocks.
+    """
     own_sockets = f"ws://{host}"  # named, because older Safari does not count web sockets as 'self'
     policy = (
-        f"default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self' {own_sockets}; "
+        f"default-src 'none'; script-src 'self'; style-src {styles}; img-src 'self' blob:; connect-src 'self' {own_sockets}; "
         "form-action 'self'; base-uri 'none'; frame-ancestors 'none'"
     )
     return {
@@ -115,6 +122,8 @@ class Login(Protocol):
     """what signs the cookies"""
     addresses: Sequence[str]
     """names of this computer that a browser may open"""
+    folder: Path
+    """where the programs of pages are kept"""
 
     def enter(self, typed: str, address: str, now_s: float) -> Entry:
         """Check what a browser of this address has typed, and count it if it is wrong."""
@@ -145,7 +154,7 @@ class PinLogin:
 
         Without a PIN every browser that reaches the server may use the page, without `only` every robot at the router.
         """
-        self._only = only
+        self._only, self.folder = only, files.user_folder()
         self.kind, self.secret = "pin" if pin is not None else "", secrets.token_urlsafe(32)
         self._pin, self._guests, self._guesses = pin, count(1), Guesses(WRONG_MAX)
 

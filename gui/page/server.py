@@ -20,6 +20,7 @@ from beatrix_zenoh.shutdown import Shutdown
 from gui.page.handlers import Context, Front, Live, Nothing, Pictures, Projector, StaticFiles, Stopper
 from gui.page.hub import Hub
 from gui.page.protection import Login
+from gui.page.shelf import Shelf
 from gui.page.static_files import STATIC, StaticFolder
 
 CONNECTIONS_MAX: Final = 192
@@ -45,8 +46,8 @@ LIMITS: Final = {
     "body_timeout": REQUEST_S,
     "idle_connection_timeout": REQUEST_S,
 }
-MESSAGE_MAX: Final = 32768
-"""Largest message of a page, bytes: the choices and poses that its browser has kept."""
+MESSAGE_MAX: Final = 131072
+"""Largest message of a page, bytes: a program, whose quotes double in JSON."""
 
 
 class Server(httpserver.HTTPServer):
@@ -97,7 +98,8 @@ async def serve(
     """
     logging.getLogger("tornado").setLevel(logging.ERROR)  # each bad request would be a warning, without limit
     with contextlib.closing(bind(port, ALL if lan else LOOPBACK)) as listening:
-        hub = Hub(settings, login, ioloop.IOLoop.current().add_callback)
+        shelf = Shelf(login.folder / "programs")
+        hub = Hub(settings, login, ioloop.IOLoop.current().add_callback, shelf)
         port = listening.getsockname()[1]
         server = Server(application(Context(hub, login, f"beatrix-{port}", StaticFolder.read())), **LIMITS)
         server.add_socket(listening)
@@ -151,6 +153,7 @@ def application(context: Context) -> web.Application:
             ("/live", Live),
             ("/pictures", Pictures),
             (context.static.root + r"/([a-z0-9_./-]+)", StaticFiles),
+            (r"/static/(vendor/[a-z0-9_./-]+)", StaticFiles),  # a path that outlives changes of the page
         ],
         default_handler_class=Nothing,
         context=context,

@@ -33,7 +33,8 @@ OPTIONS = (
 )
 LONGEST = 50_000_000
 """Largest message from the browser (bytes): a picture of the page."""
-KEYS = {" ": "Space", "Escape": "Escape", "ArrowLeft": "ArrowLeft"}
+KEYS = {" ": 32, "Enter": 13, "Escape": 27, "ArrowLeft": 37}
+"""Keys, with the codes that some libraries still read."""
 
 
 class Browser:
@@ -139,6 +140,17 @@ class Browser:
         """Click an element where it is now, even if it moves meanwhile."""
         self._mouse(selector, "mousePressed", "mouseReleased")
 
+    def drag(self, begin: tuple[float, float], end: tuple[float, float]) -> None:
+        """Press the mouse button at a point (CSS pixels), move to another one, and release it."""
+        ways = [
+            ("mousePressed", 0.0),
+            *(("mouseMoved", part) for part in (0.2, 0.6, 1.0)),
+            ("mouseReleased", 1.0),
+        ]
+        for kind, part in ways:
+            x, y = (one + part * (other - one) for one, other in zip(begin, end, strict=True))
+            self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=1, clickCount=1)
+
     def _mouse(self, selector: str, *kinds: str) -> None:
         x, y = self._still(selector)
         for kind in kinds:
@@ -163,7 +175,10 @@ class Browser:
     def key(self, key: str) -> None:
         """Press and release a key."""
         for kind in ("rawKeyDown", "keyUp"):
-            self.call("Input.dispatchKeyEvent", type=kind, key=key, code=KEYS[key])
+            code = key.replace(" ", "Space")
+            self.call(
+                "Input.dispatchKeyEvent", type=kind, key=key, code=code, windowsVirtualKeyCode=KEYS[key]
+            )
 
     def type(self, text: str) -> None:
         """Type a text into the element that has the focus."""
