@@ -92,6 +92,8 @@ OWN: Final = (
     | SetDuration
     | actions.ChooseRobot
     | intents.EmergencyStop
+    | intents.LimitClass
+    | actions.Govern
     | ReleaseArm
     | actions.EndBlocks
 )

@@ -152,7 +152,7 @@ def locked(router: Stage, monkeypatch: pytest.MonkeyPatch) -> Iterator[WebClient
 
 
 def test_the_page_needs_the_pin(locked: WebClient) -> None:
-    assert 'name="pin"' in locked.load()
+    assert 'name="typed"' in locked.load()
     assert locked.refusal() == (403, "This browser is not logged in. Load the control page again.")
     assert "class.js" not in locked.fetch("/class").body.decode(), "the projector needs it, too"
     wrong = locked.log_in("000000")
@@ -165,7 +165,7 @@ def test_the_page_needs_the_pin(locked: WebClient) -> None:
 
 def test_a_pin_of_a_foreign_page_is_not_checked(locked: WebClient) -> None:
     locked.load()
-    assert locked.fetch("/", f"pin={PIN}", Origin="http://evil.example").code == 403
+    assert locked.fetch("/", f"typed={PIN}", Origin="http://evil.example").code == 403
     assert list(locked.cookies) == ["_xsrf"]
 
 

@@ -21,7 +21,7 @@ from gui.console.state.world import World
 from gui.page import messages, protection, server
 from gui.page.face import Driver, Face
 from gui.page.handlers import MALFORMED
-from gui.page.protection import Login
+from gui.page.protection import PinLogin
 from gui.page.shelf import Desk, Shelf
 from gui.page.static_files import STATIC
 
@@ -54,12 +54,12 @@ def test_connections_are_limited_in_total_and_for_each_address() -> None:
 
 
 def test_one_address_gets_five_tries_a_minute() -> None:
-    login = Login("123456")
+    login = PinLogin("123456", None)
     for moment in range(5):
-        assert login.refusal("654321", "a", float(moment)) == protection.WRONG_PIN
-    assert "Wait 56 s" in login.refusal("123456", "a", 4.0)
-    assert login.refusal("123456", "b", 4.0) == ""
-    assert login.refusal(" 123456 ", "a", 60.0) == ""
+        assert login.enter("654321", "a", float(moment)).refusal == "page.wrong_pin"
+    assert login.enter("123456", "a", 4.0) == ("", "page.wait", 56.0)
+    assert login.enter("123456", "b", 4.0).ticket
+    assert login.enter(" 123456 ", "a", 60.0).ticket
 
 
 @pytest.mark.parametrize("pin", ["", "12345", "x" * 65])
