@@ -20,7 +20,7 @@ from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.client.stopping import StopSender
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract import names
-from beatrix_zenoh.contract._generated.messages import Source
+from beatrix_zenoh.contract._generated.messages import Positions, Source
 from beatrix_zenoh.settings import Settings
 from gui.console.link import Link
 from gui.console.link.connection import Session
@@ -31,6 +31,7 @@ from gui.console.link.stopping import send_stop
 from gui.console.state.actions import ChooseRobot, SendStop
 from gui.console.state.intents import Stop
 from gui.page.face import Driver, Face
+from gui.page.poses import Poses
 from gui.page.protection import Login
 from gui.page.shelf import Desk, Shelf
 
@@ -66,6 +67,7 @@ class Hub:
         self.settings, self.login, self._call, self._shelf = settings, login, call, shelf
         self._link = Link(settings, lambda _: None, lambda _, __: None, source=Source.PAGE)
         self.pages: set[Face] = set()
+        self.poses = Poses(self._positions)
         self._stop_sender = StopSender("web")
         self._stops: deque[tuple[str, str]] = deque(maxlen=STOPS_KEPT)
         """the newest STOPs, by browser and number: a page sends each STOP over two connections"""
@@ -91,7 +93,7 @@ class Hub:
     def new_page(
         self,
         visitor: str,
-        send: Callable[[bytes], None],
+        send: Callable[[bytes], object],
         close: Callable[[], None],
         valid: Callable[[], object] = lambda: True,
     ) -> Face:
@@ -170,6 +172,10 @@ class Hub:
         face.change(self._link.world(robot))
         if face.link is not None:
             self._drive_own(face)
+
+    def _positions(self, robot: str, side: str) -> Positions | None:
+        session = self._link.session
+        return None if session is None else session.monitor.positions(robot, side)
 
     # -- driving -------------------------------------------------------------------------------------
 

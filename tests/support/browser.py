@@ -40,11 +40,11 @@ KEYS = {" ": 32, "Enter": 13, "Escape": 27, "ArrowLeft": 37}
 class Browser:
     """Chromium with one page."""
 
-    def __init__(self, folder: Path, size: tuple[int, int] = (1366, 768)) -> None:
+    def __init__(self, folder: Path, size: tuple[int, int] = (1366, 768), *options: str) -> None:
         if shutil.which(PROGRAM) is None:
             pytest.fail(f"{PROGRAM} is missing: sudo apt install {PROGRAM}", pytrace=False)
         self._process = subprocess.Popen(
-            [PROGRAM, *OPTIONS, f"--user-data-dir={folder}", "about:blank"],
+            [PROGRAM, *OPTIONS, *options, f"--user-data-dir={folder}", "about:blank"],
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
@@ -154,7 +154,11 @@ class Browser:
     def _mouse(self, selector: str, *kinds: str) -> None:
         x, y = self._still(selector)
         for kind in kinds:
-            self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+            self.mouse(kind, x, y)
+
+    def mouse(self, kind: str, x: float, y: float) -> None:
+        """Send an event of the left button at a place of the screen (CSS pixels)."""
+        self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
 
     def _still(self, selector: str) -> tuple[float, float]:
         """Return the middle of an element (CSS pixels), once it keeps its place from one frame to the next."""

@@ -15,7 +15,7 @@ from gui_worlds import absent, robot, status, world
 
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
 from beatrix_zenoh.contract.errors import WrongUsage
-from gui.console.state import actions, intents
+from gui.console.state import actions
 from gui.console.state.actions import AskLease
 from gui.console.state.world import World
 from gui.page import messages, protection, server
@@ -78,8 +78,8 @@ def test_a_page_cannot_name_files_or_start_programs() -> None:
         assert not {"Path", "Place"} & {str(field.type) for field in msgspec.structs.fields(intent)}
     local = {action for action in vars(actions).values() if isinstance(action, type)} & {*allowed}
     known = {actions.ChooseRobot, actions.MakeReady, actions.AskLease, actions.SendNow, actions.Abort}
-    assert local == {*known, actions.EndBlocks}
-    assert intents.LimitClass not in allowed
+    # Play: of a gesture only, see the forged messages below; Govern: only the teacher's page has a class to govern.
+    assert local == {*known, actions.EndBlocks, actions.Play, actions.Govern}
 
 
 # -- what a page may send, and what it does while it drives -----------------------------------------
@@ -95,8 +95,9 @@ def test_a_page_cannot_name_files_or_start_programs() -> None:
         '{"do":"RunCommand","command":4}',
         '{"do":"AimHead","yaw":1e9,"pitch":0,"roll":0}',
         '{"do":"AddPose","name":"' + "x" * 65 + '"}',
-        '{"do":"Govern","row":1,"action":"freeze"}',
         '{"do":"Play","row":1,"sides":["sim"],"file":"/etc/passwd"}',
+        '{"do":"Play","row":0,"sides":[],"gesture":"../demo"}',
+        '{"do":"Play","row":0,"sides":["hw"],"gesture":"yes"}',
     ],
 )
 def test_a_message_that_no_page_sends_is_invalid(forged: str) -> None:
@@ -112,6 +113,7 @@ def test_a_message_that_no_page_sends_is_invalid(forged: str) -> None:
         '{"do":"RunCommand","command":6,"side":"hw"}',
         '{"do":"AimHead","yaw":180,"pitch":-30,"roll":0}',
         '{"do":"AddPose","name":"Kopf hoch"}',
+        '{"do":"Play","row":0,"sides":[],"file":null,"poses":[],"again":[],"lead_s":0.0,"gesture":"yes"}',
     ],
 )
 def test_a_message_of_a_button_or_a_field_is_read(sent: str) -> None:
