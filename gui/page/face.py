@@ -178,7 +178,7 @@ class Face:
             **{
                 name: getattr(view, name)
                 for name in (
-                    *("title", "robot", "arms", "sending", "commands", "sequence"),
+                    *("title", "robot", "arms", "sending", "commands", "blocks", "sequence"),
                     *("last", "stop", "emergency"),
                 )
             },

@@ -73,6 +73,7 @@ OWN: Final = (
     | actions.ChooseRobot
     | intents.EmergencyStop
     | ReleaseArm
+    | actions.EndBlocks
 )
 """Intents of every page: they change only this page, or stop robots."""
 DRIVING: Final = (
@@ -88,6 +89,7 @@ DRIVING: Final = (
     | intents.Undo
     | intents.Repeat
     | intents.PlaySequence
+    | intents.RunBlocks
 )
 """Intents of a page that drives. No page may use other ones, for example those that start programs or name files."""
 CHOICES: Final = ("language", "speed", "lead_s", "sim", "hw", "cameras")

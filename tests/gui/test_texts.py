@@ -10,6 +10,7 @@ import pytest
 from gui_worlds import state_after, world
 from present import present
 
+from beatrix_zenoh.blocks.program import SENTENCES
 from beatrix_zenoh.client.choreography import GESTURES
 from beatrix_zenoh.contract._generated.messages import FollowState, Reason
 from beatrix_zenoh.contract.names import ARMS
@@ -65,7 +66,7 @@ def test_every_key_that_is_used_exists() -> None:
 
 def test_every_text_is_used() -> None:
     jogs = {f"{part}-{way}" for part in ROTATIONS for way in ("plus", "minus")}
-    words = {*QUOTED.findall(SOURCE), *ARMS, *GESTURES, *FollowState, *jogs}
+    words = {*QUOTED.findall(SOURCE), *ARMS, *GESTURES, *FollowState, *SENTENCES, *jogs}
     assert [key for key in ENGLISH if not is_used(key, words)] == []
 
 

@@ -73,7 +73,8 @@ def test_a_page_cannot_name_files_or_start_programs() -> None:
     for intent in allowed:
         assert not {"Path", "Place"} & {str(field.type) for field in msgspec.structs.fields(intent)}
     local = {action for action in vars(actions).values() if isinstance(action, type)} & {*allowed}
-    assert local == {actions.ChooseRobot, actions.MakeReady, actions.AskLease, actions.SendNow, actions.Abort}
+    known = {actions.ChooseRobot, actions.MakeReady, actions.AskLease, actions.SendNow, actions.Abort}
+    assert local == {*known, actions.EndBlocks}
     assert intents.LimitClass not in allowed
 
 

@@ -13,6 +13,7 @@ from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason, Source
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import Settings
+from gui.console.link.block_run import BlockRun
 from gui.console.link.children import HARDWARE, SIMULATION, Children, Ports, Recordings
 from gui.console.link.choreographies import Playing
 from gui.console.link.connection import Connection, Probe, Session
@@ -89,6 +90,7 @@ class Link:
         """Return the present world, by default of the selected robot; call it in one thread only, for a window Qt's."""
         connection, moving, program = self._connection, self.moving, self.moving.program
         play = program if isinstance(program, Playing) else None
+        blocks = program if isinstance(program, BlockRun) else None
         latency_s = {} if robot else {side: probe.round_trip_s for side, probe in self._probes.items()}
         robot = robot or connection.robot
         sim, hw = connection.states(robot)
@@ -122,6 +124,8 @@ class Link:
             router_trouble=self._routers.trouble,
             playing="" if play is None else play.title,
             playing_pose=-1 if play is None else play.pose,
+            blocks_run=blocks is not None,
+            block="" if blocks is None else blocks.block,
             face=moving.face.progress(running=isinstance(program, Following)),
             wall_s=time.time(),
             session="" if session is None else session.client.bus.session_id,
@@ -140,7 +144,7 @@ class Link:
     def _carrying_out(self) -> Mapping[type[Action], Callable[[Never], None]]:
         """Return what carries out the actions of each class."""
         moving, connection, children, online = self.moving, self._connection, self._children, self._online
-        motions = (actions.Send, actions.Play, actions.FollowFace)
+        motions = (actions.Send, actions.Play, actions.RunBlocks, actions.FollowFace)
         requests = (*motions, actions.SendCommand, actions.AskLease, actions.MakeReady)
         return {
             **dict.fromkeys(requests, online(self._request)),
@@ -163,6 +167,7 @@ class Link:
             actions.ConnectHardware: lambda action: children.connect(*connection.where, action.port),
             actions.UseRouter: self._routers.choose,
             actions.UseAccount: self._routers.choose,
+            actions.EndBlocks: lambda _: moving.end_blocks(),
             actions.EndFollowing: lambda _: moving.end_following(),
             actions.WriteFile: self._write,
         }

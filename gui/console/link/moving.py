@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Final
 
@@ -16,6 +17,7 @@ from beatrix_zenoh.client.twin_motion import TwinMotion, TwinReplies
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.settings import Settings
+from gui.console.link.block_run import BlockRun
 from gui.console.link.choreographies import Playing
 from gui.console.link.jobs import Jobs
 from gui.console.link.jogging import Held
@@ -31,6 +33,7 @@ PROGRAM_S: Final = 2.0
 RobotAction = (
     actions.Send
     | actions.Play
+    | actions.RunBlocks
     | actions.SendCommand
     | actions.AskLease
     | actions.MakeReady
@@ -68,7 +71,7 @@ class Moving:
 
     @property
     def program(self) -> Program | None:
-        """The newest play, or run of the program that follows a face."""
+        """The newest play, program of blocks, or run of the program that follows a face."""
         programs = [request for request in self._requests.copy() if isinstance(request, Program)]
         return programs[-1] if programs else None
 
@@ -88,6 +91,8 @@ class Moving:
                 self._put(OneMotion(row, robots[0], query))
             case actions.Play():
                 self._put(Playing(action, twin if len(robots) > 1 else robots[0]))
+            case actions.RunBlocks():
+                self._put(BlockRun(action, twin if len(robots) > 1 else robots[0]))
             case actions.FollowFace():
                 self._put(Following(action, settings, self.face))
             case actions.SendCommand(row=row, command=command, value=value):
@@ -129,6 +134,11 @@ class Moving:
         """End the program that follows a face, because the user wants it."""
         if isinstance(program := self.program, Following):
             program.end(None)
+
+    def end_blocks(self) -> None:
+        """End the program of blocks, and stop the robots, because the user wants it."""
+        if isinstance(program := self.program, BlockRun):
+            self._end(program, WindowError(Reason.STOPPED, "result.aborted"))
 
     # -- the end of requests ------------------------------------------------------------------------
 
@@ -197,7 +207,8 @@ class Moving:
         try:
             motion = request.perform(partial(self._tell, request))
         except BeatrixError as error:
-            self._finish(request, failed(request.row, request.side, _explained(error)))
+            outcome = failed(request.row, request.side, _explained(error))
+            self._finish(request, replace(outcome, block=request.block))
             return
         except Exception:
             self._remove(request)

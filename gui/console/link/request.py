@@ -33,6 +33,8 @@ class RobotRequest(ABC):
 
     moves = True
     """whether it moves robots"""
+    block = ""
+    """id of the present block of a program of blocks"""
 
     def __init__(self, row: int, queue: str, sides: tuple[str, ...], side: str) -> None:
         """Store the arguments.

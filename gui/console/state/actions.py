@@ -147,6 +147,20 @@ class Play(Action, frozen=True):
         return self.gesture or (POSES if self.file is None else self.file.stem)
 
 
+class RunBlocks(Action, frozen=True):
+    """Run a program of blocks."""
+
+    row: int
+    sides: tuple[str, ...]
+    program: str
+    """as of the intent"""
+    lead_s: float = 0.0
+
+
+class EndBlocks(Action, frozen=True):
+    """End the program of blocks."""
+
+
 class FollowFace(Action, frozen=True):
     """Start the program that follows a face."""
 
@@ -260,3 +274,5 @@ class Outcome:
     """robots that refused the request or did not answer, for example `bea1 (hw)`; `reason` is that of the first"""
     rounds: int = 0
     """how often the poses of a play that repeats were played to their end"""
+    block: str = ""
+    """id of the block at which a program of blocks has ended early"""

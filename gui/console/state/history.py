@@ -208,6 +208,8 @@ def what(row: RequestRow, texts: Texts) -> str:
             key = other_seats.WHATS[action.value]
         case actions.FollowFace():
             key = "what.follow_face"
+        case actions.RunBlocks():
+            key = "what.blocks"
         case actions.WriteFile(file=file):
             key, slots = "what.save", {"title": file.name}
     return texts(key, **slots)

@@ -215,6 +215,13 @@ class PlaySequence(Intent, frozen=True):
     side: Side
 
 
+class RunBlocks(Intent, frozen=True):
+    """Run a program of blocks with the checked robots."""
+
+    program: str
+    """what Blockly has saved, as JSON"""
+
+
 class SaveSequence(Intent, frozen=True):
     """Write the sequence as a choreography, or as a program."""
 

@@ -25,7 +25,7 @@ from gui.console.state.world import LinkPhase, Trouble, World, commanded, news, 
 T = TypeVar("T")
 KEPT = 200
 """Largest number of rows of the history."""
-Motion = actions.Send | actions.Play | actions.FollowFace
+Motion = actions.Send | actions.Play | actions.RunBlocks | actions.FollowFace
 """Actions that move robots until they end."""
 ToRobots = Motion | actions.SendCommand | actions.AskLease | actions.MakeReady
 """Actions that are sent only if their robots are online."""
@@ -285,7 +285,7 @@ def lead_of(memory: Memory, sides: tuple[str, ...]) -> float:
 
 def again(memory: Memory, request: Request) -> Request:
     """Return the request as a new one; a motion goes to the checked robots, with the present lead."""
-    if isinstance(request, Send | Play):
+    if isinstance(request, Send | Play | actions.RunBlocks):
         sides = memory.choices.sides
         return structs.replace(request, row=NEW, sides=sides, lead_s=lead_of(memory, sides))
     return structs.replace(request, row=NEW)

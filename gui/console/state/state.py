@@ -5,6 +5,7 @@ from __future__ import annotations
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import (
     arms,
+    blocks,
     class_page,
     commands,
     connecting,
@@ -37,7 +38,7 @@ def choose(memory: Memory, world: World, intent: Choose) -> list[Action]:
 
 
 TOPICS = (
-    *(arms, class_page, commands, connecting, gestures, leases),
+    *(arms, blocks, class_page, commands, connecting, gestures, leases),
     *(refusals, sending, sequence),
 )
 HANDLES: Handles = {
@@ -85,6 +86,7 @@ class State:
             sending=sending.view(memory, world),
             commands=commands.view(memory),
             gestures=gestures.view(memory, world),
+            blocks=blocks.view(memory, world),
             sequence=sequence.view(memory, world),
             eyes=eyes.view(memory, world),
             sound=eyes.sound(memory, world),

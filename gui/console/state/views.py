@@ -228,6 +228,22 @@ class GesturesView:
 
 
 @dataclass(frozen=True)
+class BlocksView:
+    """The program of blocks of a page."""
+
+    run: ButtonView
+    """its intent without the program, which the page adds"""
+    end: ButtonView
+    runs: bool
+    block: str
+    """id of the present block; empty: none"""
+    text: str
+    """result of the last program, or why it was refused; empty: there was none"""
+    at: str
+    """id of the block that `text` is about; empty: the whole program"""
+
+
+@dataclass(frozen=True)
 class CardView:
     """One pose of the sequence."""
 
@@ -407,6 +423,7 @@ class View:
     sending: SendingView
     commands: CommandsView
     gestures: GesturesView
+    blocks: BlocksView
     sequence: SequenceView
     eyes: tuple[EyeView, ...]
     sound: SoundView

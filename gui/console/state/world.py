@@ -164,6 +164,10 @@ class World:
     playing_pose: int = -1
     """number of the pose of the sequence that is being played, from 0; -1: none"""
     face: FaceProgress = FaceProgress()
+    blocks_run: bool = False
+    """whether a program of blocks runs"""
+    block: str = ""
+    """id of its present block; empty: none"""
     who: str = ""
     """the seat, if programs and command lines would choose another one by themselves; empty: they would not"""
     wall_s: float = 0.0
