@@ -8,20 +8,22 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from block_robot import SdkRobot
 from lesson_checks import BUSY_TRIES, Wrong, tidied, wrong_programs
 
+from beatrix_zenoh import threads
 from beatrix_zenoh.blocks.program import STATEMENTS, VALUES, inside, read
-from beatrix_zenoh.blocks.walker import walk
 from beatrix_zenoh.client import lesson_reports
-from beatrix_zenoh.contract._generated.messages import LessonState
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract._generated.messages import LessonState, Reason
+from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lesson_files import LIBRARY, BlockLesson, Lesson, block_lessons, lessons, names
 from beatrix_zenoh.lessons import own_run
 from beatrix_zenoh.lessons.checking import Result, Verdict
 from beatrix_zenoh.lessons.own_run import OwnRun
 from beatrix_zenoh.lessons.page import lesson_pages, paragraphs
 from beatrix_zenoh.lessons.stage import PUPIL, ROBOT, Stage
+from gui.console.link.block_run import BlockRun
+from gui.console.link.outcomes import WindowError
+from gui.console.state.actions import RunBlocks
 
 pytestmark = pytest.mark.timeout(200)
 LESSONS = block_lessons()
@@ -30,10 +32,6 @@ QUICK = "b2-steps"
 NODS_ONCE = """{"blocks": {"blocks": [{"type": "start", "id": "s", "next": {"block":
 {"type": "nod", "id": "a", "inputs": {"ANGLE": {"shadow": {"type": "math_number", "fields": {"NUM": 12}}}},
 "next": {"block": {"type": "home", "id": "b"}}}}}]}}"""
-
-
-class Ended(Exception):
-    """The program was ended at its limit."""
 
 
 def solution(lesson: Lesson) -> str:
@@ -52,16 +50,21 @@ def cases() -> list[object]:
 
 
 def observed(stage: Stage, program: str, limit_s: float = 60.0) -> OwnRun:
-    """Run a program of blocks on the stage's robot, and return the run."""
+    """Run a program of blocks on the stage's robot, as a page does, and return the run."""
     robot = tidied(stage).robot(who=PUPIL)
+    request = BlockRun(RunBlocks(1, ("sim",), program), robot)
+
+    def perform() -> None:
+        with contextlib.suppress(BeatrixError):
+            request.perform(lambda _: None)
+        request.over.set()
+
     with OwnRun(robot.client, ROBOT, limit_s) as run:
-
-        def check() -> None:
+        thread = threads.start(perform, "blocks")
+        while not request.over.wait(0.1):
             if not run.look():
-                raise Ended
-
-        with contextlib.suppress(Refused, Ended):
-            walk(read(program), SdkRobot(robot, check))
+                request.end(WindowError(Reason.STOPPED, "result.stopped"))
+    thread.join(10.0)
     robot.client.close()
     return run
 

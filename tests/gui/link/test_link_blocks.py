@@ -37,12 +37,16 @@ def test_lesson_1_as_blocks_moves_the_head_and_names_the_refused_block(linked: L
 
 
 @pytest.mark.parametrize("sides", [SIM, BOTH])
-def test_a_program_without_an_end_ends_by_stop_and_the_arms_rest(linked: Linked, sides: tuple[str, ...]) -> None:
+def test_a_program_without_an_end_ends_by_stop_and_the_arms_rest(
+    linked: Linked, sides: tuple[str, ...]
+) -> None:
     linked.do(RunBlocks(1, sides, SWAY))
     linked.until(lambda world: all(abs(short(world, side)) > 1 for side in sides), "it moves")
     assert (linked.world.blocks_run, linked.world.block) == (True, "turn-id")
     began_s = time.monotonic()
     linked.do(SendStop(2))
-    world = linked.until(lambda world: all(rests(world, side) for side in sides) and not world.blocks_run, "rest")
+    world = linked.until(
+        lambda world: all(rests(world, side) for side in sides) and not world.blocks_run, "rest"
+    )
     in_time(time.monotonic() - began_s, 0.9, "STOP of a program of blocks")
     assert (world.block, linked.end_of(1, "" if sides == BOTH else "sim").reason) == ("", Reason.STOPPED)
