@@ -21,6 +21,7 @@ from beatrix_zenoh.client.subscription import Wakeup
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, Events, Positions, Status
+from beatrix_zenoh.contract.names import SIDES
 
 LOST_S = 0.5
 """A robot without positions for this long (s) is lost, even with a token; positions arrive every 20 ms."""
@@ -146,6 +147,8 @@ class RobotRecord:
     def __init__(self, client: Client, robot: str, side: str, events: int) -> None:
         self.robot, self.side = robot, side
         self.alive = False
+        self.changes = 0
+        """number of tokens, statuses and events that have arrived"""
         self.positions = Channel(client, Positions)
         self.status = Channel(client, Status)
         self.events = EventLog(client, events)
@@ -238,6 +241,7 @@ class Monitor(ProcessBound, Closable):
         record = None if parts is None or "*" in received.key else self._record((parts.robot, parts.side))
         if parts is not None and record is not None:
             record.channels[parts.row].put(received)
+            record.changes += record.channels[parts.row] is not record.positions
 
     def _on_change(self, received: Received) -> None:
         self._on_positions(received)
@@ -259,6 +263,7 @@ class Monitor(ProcessBound, Closable):
         record = None if parts is None else self._record((parts.robot, parts.side))
         if record is not None:
             record.alive = alive
+            record.changes += 1
             self._changed()
 
     def _record(self, place: Place) -> RobotRecord | None:
@@ -297,6 +302,11 @@ class Monitor(ProcessBound, Closable):
     def present(self) -> list[Place]:
         """Return name and side of all robots with a liveliness token, unordered; any thread may call this."""
         return [place for place, record in list(self._records.items()) if record.alive]
+
+    def changes(self, name: str) -> int:
+        """Return a number that grows with each token, status and event of the robots of this name; any thread may call this."""
+        records = (self._records.get((name, side)) for side in SIDES)
+        return sum(record.changes for record in records if record is not None)
 
     def robot(self, name: str, side: str) -> RobotState:
         """Return the state of one robot; its presence is ABSENT if nothing has arrived from it."""

@@ -104,7 +104,8 @@ def values(message: Struct, group: str = "", path: str = "", unit: str = "") -> 
             number = in_unit(value, unit_here) if isinstance(value, float) else value
             plain = number.value if isinstance(number, Enum) else number
             alone = row.title if value in (None, []) else ""  # a message that is missing
-            yield Value(place, row.title, group or row.group or alone, plain, row._replace(unit=unit_here))
+            shown = row if row.unit == unit_here else row._replace(unit=unit_here)
+            yield Value(place, row.title, group or row.group or alone, plain, shown)
 
 
 def grouped(message: Struct) -> dict[str, list[Value]]:

@@ -30,7 +30,8 @@ from gui.console.state.state import State
 from gui.console.state.views import BannerView, ButtonView, PillView, View
 from gui.console.state.world import LinkPhase, World, online
 from gui.console.texts import Texts, load
-from gui.page.messages import DRIVING, OWN
+from gui.page.messages import DRIVING, OWN, OpenProgram, SaveProgram
+from gui.page.shelf import Desk
 
 HISTORY: Final = 40
 """Largest number of rows of the history of a page."""
@@ -40,7 +41,7 @@ QUIET_S: Final = 0.5
 """Longest time between two views, even if nothing has changed: the page notices that its server is lost."""
 OFFERED: Final = get_args(OWN) + get_args(DRIVING)
 ENCODER: Final = msgspec.json.Encoder(enc_hook=str)  # `str`, because some buttons of the console name a file
-TEXT_KEYS: Final = ("page.", "label.", "arm.")
+TEXT_KEYS: Final = ("page.", "label.", "arm.", "gesture.", "blocks.")
 """Beginnings of the keys of the texts that the scripts of the page use."""
 
 
@@ -74,6 +75,7 @@ class Face:
         send: Callable[[bytes], None],
         close: Callable[[], None],
         stop: Callable[[Face, SendStop], None],
+        desk: Desk,
     ) -> None:
         """Begin to watch a robot.
 
@@ -83,9 +85,10 @@ class Face:
             send: sends a message to the browser.
             close: closes the web socket of the page.
             stop: sends STOP for a page that does not drive.
+            desk: the programs of its seat.
         """
         self.robot, self._world = world.robot, world
-        self.visitor, self.close = visitor, close
+        self.visitor, self.close, self.desk = visitor, close, desk
         self.driver: Driver | None = None
         self.shows_class = False
         self.state = State()
@@ -95,6 +98,7 @@ class Face:
         """whether the robot has been online, and the boxes of simulation and hardware fit to it"""
         self._sent: dict[str, bytes] = {}
         self._unread, self._sent_s = 0, 0.0
+        self._changes, self._soon, self._fresh = 0, False, True
         self.open(Saved())
 
     def change(self, world: World) -> None:
@@ -104,22 +108,41 @@ class Face:
 
     def open(self, saved: Saved) -> None:
         """Begin with the choices that the browser has kept."""
-        self.state, self.aimed = State(saved), False
+        self.state, self.aimed, self._fresh = State(saved), False, True
         self.state.handle(intents.Choose("tab", Tab.EYES), self._world)
 
     def show_class(self, *, on: bool) -> None:
         """Show or hide the table of all robots."""
-        self.shows_class = on
+        self.shows_class, self._fresh = on, True
 
     def notify(self, key: str, **slots: str) -> None:
         """Show a sentence beside the button *Drive*; no key: none."""
-        self._notice = key, slots
+        self._notice, self._fresh = (key, slots), True
 
     # -- what the browser sees ----------------------------------------------------------------------
+
+    def due(self, changes: int, now_s: float) -> bool:
+        """Return whether it is time for a view: robots move or have published something else, or QUIET_S has passed.
+
+        Args:
+            changes: `Monitor.changes` of the robots.
+            now_s: monotonic clock.
+        """
+        changed = self._fresh or changes != self._changes or self._busy or self._soon
+        self._changes, self._fresh = changes, False
+        return changed or now_s - self._world.now_s >= QUIET_S
+
+    @property
+    def _busy(self) -> bool:
+        """Whether robots move for this page, or are about to."""
+        return self.driver is not None and self.driver.link.moving.busy
 
     def show(self, world: World, robots: tuple[str, ...]) -> None:
         """Send the parts of the view that have changed, unless too many earlier ones are unconfirmed."""
         self._world = world
+        statuses = (world.side(side).status for side in SIDES)
+        moves = any(status is not None and status.moving for status in statuses)
+        self._soon = moves or world.phase is not LinkPhase.ONLINE
         self._follow(world)
         if self._unread >= UNREAD_MAX:
             return
@@ -161,6 +184,7 @@ class Face:
             "you": {
                 "seat": "" if driver is None else driver.seat,
                 "drives": driver is not None,
+                "moves": self._busy,
                 "text": self._role(world, texts),
                 "notice": texts(key, **slots) if key else "",
             },
@@ -175,6 +199,8 @@ class Face:
             "pills": [_pill(pill) for pill in view.pills],
             "head": replace(view.head, path=()),
             "history": view.history[:HISTORY],
+            "programs": self.desk.view,
+            "opened": self.desk.opened,
             **{
                 name: getattr(view, name)
                 for name in (
@@ -213,6 +239,7 @@ class Face:
             return
         if self.driver is not None and isinstance(intent, DRIVING) and not isinstance(intent, HoldArm):
             self.notify("")
+        self._fresh = True
         for action in self.state.handle(intent, self._world):
             self._do(action)
 
@@ -227,13 +254,22 @@ class Face:
         ):
             self._stop(self, action)
 
+    def use_programs(self, request: SaveProgram | OpenProgram) -> None:
+        """Keep a program of blocks, or open one."""
+        self._fresh = True
+        if isinstance(request, SaveProgram):
+            self.desk.save(request)
+        else:
+            self.desk.open(request.name, request.seat)
+
     def report(self, outcome: Outcome) -> None:
         """Show the outcome of a request."""
         self.state.report(outcome)
+        self._fresh = True
 
     def stop_moving(self) -> None:
         """Stop the robots if they move for this page, because the page is silent or hidden."""
-        if self.driver is not None and self.driver.link.moving.busy:
+        if self.driver is not None and self._busy:
             self.driver.stopped = True
             self.carry_out(intents.Stop())
 

@@ -18,6 +18,7 @@ from gui.page import messages, protection
 from gui.page.face import Face
 from gui.page.hub import Camera, Hub
 from gui.page.protection import Login
+from gui.page.static_files import StaticFolder
 
 MESSAGES_MAX: Final = 200
 """Largest number of messages of a page in a second; a page normally sends twenty."""
@@ -29,8 +30,8 @@ TOO_FAST, MALFORMED = 4001, 4002
 class Context:
     """Data that all handlers share."""
 
-    def __init__(self, hub: Hub, login: Login, cookie: str) -> None:
-        self.hub, self.login, self.cookie = hub, login, cookie
+    def __init__(self, hub: Hub, login: Login, cookie: str, static: StaticFolder) -> None:
+        self.hub, self.login, self.cookie, self.static = hub, login, cookie, static
         self.guests = itertools.count(1)
 
 
@@ -64,6 +65,10 @@ class Guarded(web.RequestHandler):
         elif acts and not protection.origin_allowed(self.request.headers.get("Origin"), self.host):
             self.reject(403, protection.FOREIGN_ORIGIN)
 
+    def get_template_namespace(self) -> dict[str, object]:
+        """Return what every template may use: also the path of the static files."""
+        return super().get_template_namespace() | {"static": self.context.static.root}
+
     def reject(self, status: int, sentence: str) -> None:
         """Reply with a sentence and end the request."""
         self.set_status(status)
@@ -94,14 +99,33 @@ class Nothing(Guarded):
         self.reject(404, NOTHING)
 
 
-class StaticFiles(Guarded, web.StaticFileHandler):
-    """The files of the folder `static`: style sheet, scripts, icon."""
+class StaticFiles(Guarded):
+    """The files of the folder `static`: style sheets, scripts, icons."""
+
+    def get(self, name: str) -> None:
+        """Send a file, which the browser may keep for good: another content has another path."""
+        file = self.context.static.files.get(name)
+        if file is None:
+            self.reject(404, NOTHING)
+            return
+        zipped = "gzip" in self.request.headers.get("Accept-Encoding", "")
+        self.set_header("Content-Type", file.kind)
+        self.set_header("Cache-Control", "public, max-age=31536000, immutable")
+        self.set_header("Vary", "Accept-Encoding")
+        if zipped:
+            self.set_header("Content-Encoding", "gzip")
+        self.finish(file.compressed if zipped else file.content)
 
 
 class Front(Guarded):
     """The control page, or the form for the PIN."""
 
     template = "page.html"
+
+    def set_default_headers(self) -> None:
+        """Set the headers, with the styles of the blocks."""
+        for name, value in protection.headers(self.host, protection.BLOCK_STYLES).items():
+            self.set_header(name, value)
 
     def get(self) -> None:
         """Show the page to a browser that is logged in; otherwise show the form, or log in if no PIN is needed."""
@@ -225,6 +249,8 @@ HANDLES: Mapping[type, Callable[[Hub, Face, Never], None]] = {
     messages.Leave: lambda hub, face, _: hub.end_driver(face),
     messages.Hidden: lambda _, face, __: face.stop_moving(),
     messages.ShowClass: lambda _, face, request: face.show_class(on=request.on),
+    messages.SaveProgram: lambda _, face, request: face.use_programs(request),
+    messages.OpenProgram: lambda _, face, request: face.use_programs(request),
     actions.ChooseRobot: lambda hub, face, request: hub.watch(face, request.name),
 }
 """What carries out the messages of a page; the others are heartbeats, or intents of the console."""

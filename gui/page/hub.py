@@ -5,6 +5,7 @@ The methods of `Hub` run on the thread of the server's loop.
 
 from __future__ import annotations
 
+import asyncio
 import threading
 import time
 from collections import deque
@@ -30,6 +31,7 @@ from gui.console.link.stopping import send_stop
 from gui.console.state.actions import SendStop
 from gui.console.state.intents import Stop
 from gui.page.face import Driver, Face
+from gui.page.shelf import Desk, Shelf
 
 DEAD_MAN_S: Final = 0.4
 """Longest time without a heartbeat of the page; then a moving robot is stopped. Pages send ten heartbeats a second."""
@@ -47,19 +49,20 @@ OnPicture = Callable[[Camera, CameraImage], None]
 class Hub:
     """Gives pages the states of robots, and links with which they drive."""
 
-    def __init__(self, settings: Settings, only: str | None, call: Callable[..., None]) -> None:
+    def __init__(self, settings: Settings, only: str | None, call: Callable[..., None], shelf: Shelf) -> None:
         """Begin to watch the robots.
 
         Args:
             settings: router and seat.
             only: name of the only robot that pages may use; None: all robots at the router.
             call: runs a function with its arguments on the server's loop; any thread may use it.
+            shelf: the programs of all seats.
 
         Raises:
             NoAnswer: NO_ROUTER.
         """
         Client(settings, announce=False).close()  # to find out whether a router answers
-        self.settings, self._only, self._call = settings, only, call
+        self.settings, self._only, self._call, self._shelf = settings, only, call, shelf
         self._link = Link(settings, lambda _: None, lambda _, __: None, source=Source.PAGE)
         self.pages: set[Face] = set()
         self._stop_sender = StopSender("web")
@@ -87,28 +90,32 @@ class Hub:
     def new_page(self, visitor: str, send: Callable[[bytes], None], close: Callable[[], None]) -> Face:
         """Return the face of a new page, which shows the first robot; `close` closes the page's web socket."""
         robot = next(iter(self.robots()), self._only or self.settings.robot)
-        face = Face(self._link.world(robot), visitor, send, close, self._stop)
+        desk = Desk(self._shelf, visitor)
+        face = Face(self._link.world(robot), visitor, send, close, self._stop, desk)
         self.pages.add(face)
         return face
 
-    def show(self) -> None:
-        """Send all pages what has changed."""
+    async def show(self) -> None:
+        """Send all pages what has changed, one after the other: requests, such as STOP, wait for one view at most."""
         self._link.look()
         robots = self.robots()
         for face in self.pages if robots else ():
             if not face.aimed and face.robot not in robots:
                 self.watch(face, robots[0])  # none was online when the page was opened
+        session = self._link.session
         shown = any(face.shows_class for face in self.pages)
-        states = robots_online(self._link.session) if shown else ()
-        watched = {face.robot for face in self.pages if face.driver is None}
-        worlds = {robot: self._link.world(robot) for robot in watched}
+        states = robots_online(session) if shown else ()
         for face in list(self.pages):
+            if session is not None and not face.due(session.monitor.changes(face.robot), time.monotonic()):
+                continue
             try:
-                world = worlds[face.robot] if face.driver is None else face.driver.link.world()
+                driver = face.driver
+                world = self._link.world(face.robot) if driver is None else driver.link.world()
                 face.show(replace(world, robots=states if face.shows_class else ()), robots)
             except Exception as error:  # noqa: BLE001 - a fault of one page must not freeze the others
                 threads.show_error(error)
                 face.close()
+            await asyncio.sleep(0)
 
     def watch(self, face: Face, robot: str) -> None:
         """Show another robot to a page, and end its driver of the former robot."""

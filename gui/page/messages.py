@@ -62,6 +62,24 @@ class StopRobot(Message, frozen=True, tag="stop"):
     """a number that no other STOP of this browser has"""
 
 
+class SaveProgram(Message, frozen=True, tag="save_program"):
+    """Keep a program of blocks: the JSON of the editor."""
+
+    name: str
+    program: str
+    ran: bool = False
+    """whether it begins to run, so that it is also kept as a version"""
+    opens: bool = False
+    """whether the page shows it, because it is another one than before"""
+
+
+class OpenProgram(Message, frozen=True, tag="open_program"):
+    """Show a program; only a teacher names a seat."""
+
+    name: str
+    seat: str = ""
+
+
 OWN: Final = (
     intents.Choose
     | intents.AimHead
@@ -96,7 +114,9 @@ CHOICES: Final = ("language", "speed", "lead_s", "sim", "hw", "cameras")
 """Choices that a page may change."""
 LEASES: Final = (LeaseAction.TAKE, LeaseAction.WAIT, LeaseAction.GIVE_BACK)
 COMMANDS: Final = (Command.ENABLE, Command.CALIBRATE, Command.HOME, Command.RESET)
-OwnMessage = Open | Drive | Leave | Beat | Hidden | ViewReceived | ShowClass | StopRobot
+OwnMessage = (
+    Open | Drive | Leave | Beat | Hidden | ViewReceived | ShowClass | StopRobot | SaveProgram | OpenProgram
+)
 Request = OwnMessage | intents.Intent
 _DECODER: Final = msgspec.json.Decoder(OwnMessage | OWN | DRIVING)
 

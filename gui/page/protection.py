@@ -20,6 +20,8 @@ WRONG_MAX: Final = 5
 
 WRONG_PIN: Final = "This PIN is wrong. Read it at the computer that runs `beatrix web`."
 WAIT: Final = "There were too many wrong PINs. Wait {seconds:.0f} s, then type the PIN again."
+BLOCK_STYLES: Final = "'self' 'sha256-Mpp7TbvFHtv0YspXin2MLIdaArPaD5O+gFUwoq8z38c=' 'sha256-xyn+siE7dlrphGa56tdAxYa7fIB6tr5xH9byXc4LASE='; style-src-attr 'unsafe-inline'"
+"""The two style sheets that Blockly writes into the page, and its style attributes; scripts stay 'self'."""
 FOREIGN_HOST: Final = (
     "This server does not serve this address. Open the address that `beatrix web` has printed."
 )
@@ -57,11 +59,14 @@ def origin_allowed(origin: str | None, host: str) -> bool:
     return origin == f"http://{host.lower()}"
 
 
-def headers(host: str) -> dict[str, str]:
-    """Return the headers of every reply: the page loads nothing from elsewhere, and no other page may show it."""
+def headers(host: str, styles: str = "'self'") -> dict[str, str]:
+    """Return the headers of every reply: the page loads nothing from elsewhere, and no other page may show it.
+
+    `styles`: the sources of styles; BLOCK_STYLES for the page with blocks.
+    """
     own_sockets = f"ws://{host}"  # named, because older Safari does not count web sockets as 'self'
     policy = (
-        f"default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob:; connect-src 'self' {own_sockets}; "
+        f"default-src 'none'; script-src 'self'; style-src {styles}; img-src 'self' blob:; connect-src 'self' {own_sockets}; "
         "form-action 'self'; base-uri 'none'; frame-ancestors 'none'"
     )
     return {

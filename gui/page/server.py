@@ -10,11 +10,11 @@ import os
 import secrets
 import socket
 from collections.abc import Callable
-from pathlib import Path
 from typing import Final
 
 from tornado import httpserver, ioloop, iostream, web
 
+from beatrix_zenoh import files
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.settings import Settings
@@ -22,12 +22,13 @@ from beatrix_zenoh.shutdown import Shutdown
 from gui.page.handlers import Context, Front, Live, Nothing, Pictures, Projector, StaticFiles, Stopper
 from gui.page.hub import Hub
 from gui.page.protection import Login
+from gui.page.shelf import Shelf
+from gui.page.static_files import STATIC, StaticFolder
 
 CONNECTIONS_MAX: Final = 192
 """Largest number of connections: a page needs two, and a system may allow a process only 256 open files."""
 ADDRESS_MAX: Final = 64
 """Largest number of connections of one address."""
-STATIC: Final = Path(__file__).parent / "static"
 LOOPBACK, ALL = "127.0.0.1", "0.0.0.0"  # noqa: S104  # only with --lan, behind a PIN
 SHOW_MS: Final = 100
 """Period of the views that pages get."""
@@ -47,8 +48,8 @@ LIMITS: Final = {
     "body_timeout": REQUEST_S,
     "idle_connection_timeout": REQUEST_S,
 }
-MESSAGE_MAX: Final = 32768
-"""Largest message of a page, bytes: the choices and poses that its browser has kept."""
+MESSAGE_MAX: Final = 131072
+"""Largest message of a page, bytes: a program, whose quotes double in JSON."""
 
 
 class Server(httpserver.HTTPServer):
@@ -99,9 +100,12 @@ async def serve(
     """
     logging.getLogger("tornado").setLevel(logging.ERROR)  # each bad request would be a warning, without limit
     with contextlib.closing(bind(port, LOOPBACK if pin is None else ALL)) as listening:
-        hub = Hub(settings, only, ioloop.IOLoop.current().add_callback)
+        shelf = Shelf(files.user_folder() / "programs")
+        hub = Hub(settings, only, ioloop.IOLoop.current().add_callback, shelf)
         port = listening.getsockname()[1]
-        server = Server(application(Context(hub, Login(pin), f"beatrix-{port}")), **LIMITS)
+        server = Server(
+            application(Context(hub, Login(pin), f"beatrix-{port}", StaticFolder.read())), **LIMITS
+        )
         server.add_socket(listening)
         await _run(server, hub, lambda: ready(port), shutdown)
 
@@ -152,7 +156,8 @@ def application(context: Context) -> web.Application:
             ("/stop", Stopper),
             ("/live", Live),
             ("/pictures", Pictures),
-            (r"/static/([a-z.]+)", StaticFiles, {"path": str(STATIC)}),
+            (context.static.root + r"/([a-z0-9_./-]+)", StaticFiles),
+            (r"/static/(vendor/[a-z0-9_./-]+)", StaticFiles),  # a path that outlives changes of the page
         ],
         default_handler_class=Nothing,
         context=context,

@@ -16,7 +16,7 @@ from gui_views import turns
 
 from gui.console.state import class_page
 from gui.console.texts import LANGUAGES, Texts, load
-from gui.page.server import STATIC
+from gui.page.static_files import STATIC
 
 pytestmark = pytest.mark.long("a real browser")
 CONNECTION = """
@@ -45,6 +45,8 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
     folder = tmp_path_factory.mktemp("page")
     files = shutil.copytree(STATIC, folder / "static")
     (files / "connection.js").write_text(CONNECTION)
+    page = files / "class.html"
+    page.write_text(page.read_text().replace("{{ static }}", "/static"))
     handler = partial(SimpleHTTPRequestHandler, directory=folder)
     with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         thread = threading.Thread(target=server.serve_forever)

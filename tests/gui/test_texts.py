@@ -23,7 +23,11 @@ GUI = Path(__file__).resolve().parents[2] / "gui"
 TABLES = {code: load(code)[0] for code in LANGUAGES}
 ENGLISH = TABLES["en"]
 OTHERS = [code for code in LANGUAGES if code != "en"]
-SOURCE = "\n".join(path.read_text() for path in GUI.rglob("*") if path.suffix in {".py", ".js", ".html"})
+SOURCE = "\n".join(
+    path.read_text()
+    for path in GUI.rglob("*")
+    if path.suffix in {".py", ".js", ".html"} and "vendor" not in path.parts
+)
 QUOTED = re.compile(r"""["'`]([\w.-]+)["'`]""")
 TOPICS = "|".join({key.partition(".")[0] for key in ENGLISH})
 KEY = re.compile(rf"""["'`]((?:{TOPICS})(?:\.(?:{{[^}}]*}}|[\w$-])+)?)["'`]""")

@@ -82,6 +82,16 @@ def test_every_reply_forbids_foreign_content_and_frames(browser: WebClient) -> N
         assert "Access-Control-Allow-Origin" not in headers
 
 
+def test_browsers_keep_compressed_files_until_one_of_them_changes(browser: WebClient) -> None:
+    (script,) = re.findall(r'src="(/static/[^"]+)"', browser.fetch("/").body.decode())
+    reply = browser.fetch(script)  # this client asks for gzip, and decompresses it
+    assert "immutable" in reply.headers["Cache-Control"]
+    assert int(reply.headers["Content-Length"]) < len(reply.body) / 2
+    folder = script.rpartition("/")[0]
+    for path in (f"{folder}/../server.py", f"{folder}/page.html", "/static/0123/page.js", f"{folder}/"):
+        assert browser.fetch(path).code == 404, path
+
+
 def test_cookies_are_for_this_page_only(port: int) -> None:
     with WebClient(port) as browser:
         cookies = browser.fetch("/").headers.get_list("Set-Cookie")

@@ -139,6 +139,17 @@ class Browser:
         """Click an element where it is now, even if it moves meanwhile."""
         self._mouse(selector, "mousePressed", "mouseReleased")
 
+    def drag(self, begin: tuple[float, float], end: tuple[float, float]) -> None:
+        """Press the mouse button at a point (CSS pixels), move to another one, and release it."""
+        ways = [
+            ("mousePressed", 0.0),
+            *(("mouseMoved", part) for part in (0.2, 0.6, 1.0)),
+            ("mouseReleased", 1.0),
+        ]
+        for kind, part in ways:
+            x, y = (one + part * (other - one) for one, other in zip(begin, end, strict=True))
+            self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=1, clickCount=1)
+
     def _mouse(self, selector: str, *kinds: str) -> None:
         x, y = self._still(selector)
         for kind in kinds:

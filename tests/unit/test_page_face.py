@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import time
+from pathlib import Path
 from typing import get_args
 from unittest.mock import MagicMock
 
@@ -21,7 +22,10 @@ from gui.page import messages, protection, server
 from gui.page.face import Driver, Face
 from gui.page.handlers import MALFORMED
 from gui.page.protection import Login
-from gui.page.server import STATIC
+from gui.page.shelf import Desk, Shelf
+from gui.page.static_files import STATIC
+
+DESK = Desk(Shelf(Path("nowhere")), "guest-1")
 
 
 @pytest.mark.parametrize(
@@ -116,7 +120,7 @@ def test_a_message_of_a_button_or_a_field_is_read(sent: str) -> None:
 
 def driving(now: World) -> tuple[Face, MagicMock]:
     """Return the face of a page that drives, and its link."""
-    face, link = Face(now, "guest-1", lambda _: None, lambda: None, lambda *_: None), MagicMock()
+    face, link = Face(now, "guest-1", lambda _: None, lambda: None, lambda *_: None, DESK), MagicMock()
     face.driver = Driver(link, "web-mia", time.monotonic())
     return face, link
 

@@ -27,8 +27,8 @@ LOOK_S = 0.25
 """Period of reading the names of robots online, until one is selected."""
 EVENTS = 200
 """Number of events kept for each robot."""
-PROBE_S = 1.0
-"""Period of the queries."""
+PROBE_S, PROBE_SHARED_S = 1.0, 5.0
+"""Periods of the queries of a window, and of each of the many pages of one process."""
 ANSWER_S = 1.0
 
 
@@ -187,7 +187,8 @@ class Connection:
             else:
                 self._check_account()
         finally:
-            self._due_s = time.monotonic() + (LOOK_S if self.phase is LinkPhase.ONLINE else RETRY_S)
+            chooses = self.phase is LinkPhase.ONLINE and not self._chosen
+            self._due_s = time.monotonic() + (LOOK_S if chooses else RETRY_S)
 
     def _connect(self) -> None:
         settings = self.settings
@@ -275,8 +276,8 @@ def absent(robot: str, side: str) -> RobotState:
 class Probe:
     """Queries one robot in a queue of its own, so that a silent robot does not delay queries to the other."""
 
-    def __init__(self, side: str, jobs: Jobs) -> None:
-        self._side, self._jobs = side, jobs
+    def __init__(self, side: str, jobs: Jobs, period_s: float) -> None:
+        self._side, self._jobs, self._period_s = side, jobs, period_s
         self._due_s = 0.0
         """when to query again (monotonic clock, s); infinite while a query is under way"""
         self.round_trip_s: float | None = None
@@ -306,4 +307,4 @@ class Probe:
         except BeatrixError:
             self.round_trip_s = None
         finally:
-            self._due_s = time.monotonic() + PROBE_S
+            self._due_s = time.monotonic() + self._period_s

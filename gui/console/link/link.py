@@ -16,7 +16,7 @@ from beatrix_zenoh.settings import Settings
 from gui.console.link.block_run import BlockRun
 from gui.console.link.children import HARDWARE, SIMULATION, Children, Ports, Recordings
 from gui.console.link.choreographies import Playing
-from gui.console.link.connection import Connection, Probe, Session
+from gui.console.link.connection import PROBE_S, PROBE_SHARED_S, Connection, Probe, Session
 from gui.console.link.governing import LessonReports, robots_online, send_govern
 from gui.console.link.jobs import Jobs
 from gui.console.link.moving import Moving, RobotAction
@@ -71,7 +71,8 @@ class Link:
         self.moving = Moving(jobs, report)
         self._stop_sender = StopSender("window")
         self._lessons = LessonReports(jobs)
-        self._probes = {side: Probe(side, jobs) for side in SIDES}
+        period_s = PROBE_S if shared is None else PROBE_SHARED_S
+        self._probes = {side: Probe(side, jobs, period_s) for side in SIDES}
         self._children = Children(jobs, self._connection.try_now)
         self._recordings, self._ports = Recordings(jobs), Ports(jobs)
         self._routers = Routers(jobs, self._connection, self.moving.deselect)

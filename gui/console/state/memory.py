@@ -163,6 +163,8 @@ class Memory:
     """a sentence about a lease that this seat gained or lost; None: nothing new"""
     history: Kept[tuple[HistoryRowView, ...]] = field(default_factory=Kept)
     code: Kept[str] = field(default_factory=Kept)
+    details: Mapping[str, Kept[str]] = field(default_factory=lambda: {side: Kept() for side in SIDES})
+    """`pills.details` of each side"""
 
     def row(self, number: int) -> RequestRow | None:
         """Return the row of this number; None if the history no longer contains it."""

@@ -73,8 +73,9 @@ class RobotCondition:
     """one of NEXT_STEPS; empty: none"""
 
 
-def pill(world: World, side: str, texts: Texts) -> PillView:
+def pill(memory: Memory, world: World, side: str) -> PillView:
     """Return the state of one robot."""
+    texts, kept = memory.choices.texts, memory.details[side]
     found, latency_s, status = finding(world, side, texts), world.latency_s.get(side), world.side(side).status
     if found.condition is Condition.ABSENT:
         latency_s, status = None, None
@@ -93,7 +94,7 @@ def pill(world: World, side: str, texts: Texts) -> PillView:
         lease=None if step else leases.button(world, side, texts),
         menu=menu(world, side, texts),
         warnings=() if status is None or not english else tuple(status.warnings),
-        details="" if status is None else details(status, texts),
+        details="" if status is None else kept.get((status, texts.code), lambda: details(status, texts)),
     )
 
 

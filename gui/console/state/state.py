@@ -80,7 +80,7 @@ class State:
             guide=None if banner is not None else self._guide.view(memory, world),
             robots=tuple(sorted({*world.names, world.robot})),
             robot=world.robot,
-            pills=tuple(pills.pill(world, side, texts) for side in SIDES),
+            pills=tuple(pills.pill(memory, world, side) for side in SIDES),
             head=sending.head(memory, world),
             arms=arms.view(memory, world),
             sending=sending.view(memory, world),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping
-from functools import cache
+from functools import cache, lru_cache
 from importlib import resources
 from typing import Any, Final
 
@@ -39,22 +39,29 @@ def load(code: str) -> tuple[Mapping[str, str], Language]:
     return table, shared._replace(minus=MINUS, head=head, refusals={**shared.refusals, **by_key(own)})
 
 
+@lru_cache(maxsize=4096, typed=True)  # a view has 150 texts, nearly all as in the view before
+def _filled(code: str, key: str, /, **slots: str | float) -> str:
+    templates, language = load(code)
+    return templates[key].format_map(
+        {
+            name: Number(value, language) if isinstance(value, float) else value
+            for name, value in slots.items()
+        }
+    )
+
+
 class Texts:
     """The catalogue of one language."""
 
     def __init__(self, code: str) -> None:
         """Choose a language by its code; raises KeyError if there is no such language."""
         self.code = code
-        self._templates, self._refusals = load(code)
+        _, self._refusals = load(code)
         self.decimal = self._refusals.decimal
 
     def __call__(self, key: str, **slots: str | float) -> str:
         """Return the text of a key with its slots filled in; raises KeyError for an unknown key or a missing slot."""
-        shown = {
-            name: Number(value, self._refusals) if isinstance(value, float) else value
-            for name, value in slots.items()
-        }
-        return self._templates[key].format_map(shown)
+        return _filled(self.code, key, **slots)
 
     def word(self, name: str) -> str:
         """Return the name of a value or group of the contract; the contract's own if this language has none."""

@@ -5,13 +5,21 @@ const MALFORMED = 4002;
 
 let socket = null;
 let heard = 0; // time (ms) of the last view
+let sent = 0; // times (ms) of the last message, and of the last one that was no heartbeat and no confirmation
+let requested = 0;
 let lost = ""; // key of a text; empty: connected, or not yet
 
 export function send(message) {
   if (!isOpen()) return false;
   socket.send(JSON.stringify(message));
+  if (message.do === "seen") return true;
+  sent = performance.now();
+  if (message.do !== "beat") requested = sent;
   return true;
 }
+
+export const sinceSent = () => performance.now() - sent; // ms
+export const sinceRequest = () => performance.now() - requested; // ms
 
 export function isOpen() {
   return socket?.readyState === WebSocket.OPEN;

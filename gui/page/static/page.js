@@ -1,8 +1,12 @@
 // The control page: draws the parts of the view that its server sends, and sends the intent of each button.
-import { connect, isOpen, send, trouble } from "./connection.js";
+import { BLOCKS, connectBlocks } from "./blocks.js";
+import { connect, isOpen, send, sinceRequest, sinceSent, trouble } from "./connection.js";
 import { connectEyes, showEyes } from "./eyes.js";
+import { connectTabs } from "./tabs.js";
 
-const BEAT_MS = 100; // period of the heartbeats of a page that drives or waits
+const BEAT_MS = 100; // period of the heartbeats of a page whose robots move, or may move after a message
+const REST_MS = 500; // period of the heartbeats of a page that drives or waits, and moves nothing
+const BEGIN_MS = 1000; // time after a message in which a motion begins
 const AIM_MS = 60; // shortest time between two targets
 const CONFIRM_MS = 5000;
 const SPEEDS = [10, 20, 30, 40, 60, 90]; // °/s
@@ -12,7 +16,7 @@ const ROTATIONS = { yaw: [1, -1], pitch: [-1, 1], roll: [-1, 1] };
 const ARMS = ["short", "middle", "long"];
 const COLUMNS = ["robot", "side", "state", "driver", "turn", "waiting", "rate", "age", "remarks"];
 const KEYS = { ArrowLeft: "yaw-plus", ArrowRight: "yaw-minus", ArrowUp: "pitch-minus", ArrowDown: "pitch-plus" };
-const WATCHERS = ["ChooseRobot", "DismissNotice", "DismissRefusal", "EmergencyStop", "AddPose", "DeletePose", "SetDuration"];
+const WATCHERS = ["ChooseRobot", "DismissNotice", "DismissRefusal", "EmergencyStop", "AddPose", "DeletePose", "SetDuration", "EndBlocks"];
 
 const byId = (id) => document.getElementById(id);
 const token = document.querySelector("meta[name=token]").content;
@@ -127,6 +131,7 @@ const SHOW = {
   last: (last) => set(byId("last"), last),
   stop: (button) => { byId("stop").title = button.tooltip; set(byId("stop"), button.text); },
   emergency: (button) => bind(byId("emergency"), button),
+  ...BLOCKS,
 };
 
 function receive(parts) {
@@ -293,7 +298,7 @@ function showStop(sent) {
 
 function beat() {
   if (held) send({ do: "HoldArm", arm: held.dataset.part, sign: Number(held.dataset.sign) });
-  else if (view.you.drives) send({ do: "beat" });
+  else if (view.you.drives && (view.you.moves || sinceRequest() < BEGIN_MS || sinceSent() >= REST_MS)) send({ do: "beat" });
 }
 
 function pressButton(button) {
@@ -317,12 +322,12 @@ function hide() {
 }
 
 function keys(event) {
-  if (event.key === " " || event.key === "Escape") {
+  if (event.key === "Escape" || (event.key === " " && event.target.dataset?.words === undefined)) {
     event.preventDefault();
     if (event.type === "keydown" && !event.repeat) stop();
     return;
   }
-  if (["INPUT", "SELECT"].includes(event.target.tagName)) return;
+  if (["INPUT", "SELECT"].includes(event.target.tagName) || document.querySelector("main").hidden) return;
   const named = KEYS[event.key] && byId(KEYS[event.key]);
   const button = named ?? (event.key === "Enter" && event.target.dataset?.part ? event.target : null);
   if (!button) return;
@@ -435,5 +440,7 @@ document.addEventListener("visibilitychange", () => {
 });
 setInterval(beat, BEAT_MS);
 setInterval(showTrouble, 500);
+connectBlocks({ text, bind, view });
+connectTabs();
 connectEyes(isOpen, () => showEyes(view));
 connect(receive, () => { releaseButton(); showTrouble(); });
