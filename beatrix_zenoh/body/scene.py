@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from beatrix_zenoh.body.surface import Floats, Mesh
+from beatrix_zenoh.contract._generated.robot import ROBOT
 
 LOOKED_AT: Final = 0.055
 """Height (m, from the neck centre) of the middle of the picture."""
@@ -30,6 +31,14 @@ LIFT: Final = 0.007
 """By how much (m) the parts on the skull count as nearer when faces are sorted; the last ones twice as much."""
 HULL: Final = 60
 """Number of directions of an outline."""
+SKULL: Final = (0.0, 0.0, ROBOT.head.centre_height)
+NOSE: Final = (0.102, 0.0, ROBOT.head.centre_height - 0.022)
+EARS: Final = {
+    "left": (-0.006, 0.082, ROBOT.head.centre_height + 0.012),
+    "right": (-0.006, -0.082, ROBOT.head.centre_height + 0.012),
+}
+CROWN: Final = (0.0, 0.0, ROBOT.head.centre_height + 0.102)
+"""Points of the head at home (m, from the neck centre)."""
 Whole = npt.NDArray[np.int64]
 
 

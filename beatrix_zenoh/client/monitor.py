@@ -313,6 +313,11 @@ class Monitor(ProcessBound, Closable):
         record = self._records.get((name, side))
         return (RobotRecord(self._client, name, side, 0) if record is None else record).state()
 
+    def positions(self, name: str, side: str) -> Positions | None:
+        """Return the newest positions of one robot, without the cost of its whole state; None: none are known."""
+        record = self._records.get((name, side))
+        return None if record is None else record.positions.read(time.monotonic())[0]
+
     def close(self) -> None:
         """End the subscriptions. May be called twice."""
         while self._undeclare:

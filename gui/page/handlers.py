@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import itertools
 import time
 from collections.abc import Callable, Mapping
@@ -189,13 +190,14 @@ class Socket(Guarded, websocket.WebSocketHandler):
         if not self._finished and self.visitor is None:
             self.reject(403, protection.NO_COOKIE)
 
-    def send(self, message: str | bytes, *, binary: bool = False) -> None:
-        """Send a message, unless the browser has disconnected."""
+    def send(self, message: str | bytes, *, binary: bool = False) -> asyncio.Future[None] | None:
+        """Send a message, unless the browser has disconnected; return what is done when it has left this computer."""
         try:
             future = self.write_message(message, binary=binary)
         except websocket.WebSocketClosedError:
-            return
+            return None
         future.add_done_callback(lambda done: done.exception())  # ignores that the browser has disconnected
+        return future
 
 
 class Live(Socket):
@@ -209,9 +211,11 @@ class Live(Socket):
         self._second = time.monotonic()
         self.set_nodelay(True)
         self.face = self.hub.new_page(visitor, lambda view: self.send(view.decode()), self.close)
+        self.hub.poses.start(self.face, lambda pose: self.send(pose, binary=True))
 
     def on_close(self) -> None:
         """Remove the page and end its driver, which stops the robot."""
+        self.hub.poses.end(self.face)
         self.hub.pages.discard(self.face)
         self.hub.end_driver(self.face)
 

@@ -20,7 +20,7 @@ from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.client.stopping import StopSender
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract import names
-from beatrix_zenoh.contract._generated.messages import Source
+from beatrix_zenoh.contract._generated.messages import Positions, Source
 from beatrix_zenoh.settings import Settings
 from gui.console.link import Link
 from gui.console.link.connection import Session
@@ -31,6 +31,7 @@ from gui.console.link.stopping import send_stop
 from gui.console.state.actions import SendStop
 from gui.console.state.intents import Stop
 from gui.page.face import Driver, Face
+from gui.page.poses import Poses
 from gui.page.shelf import Desk, Shelf
 
 DEAD_MAN_S: Final = 0.4
@@ -65,6 +66,7 @@ class Hub:
         self.settings, self._only, self._call, self._shelf = settings, only, call, shelf
         self._link = Link(settings, lambda _: None, lambda _, __: None, source=Source.PAGE)
         self.pages: set[Face] = set()
+        self.poses = Poses(self._positions)
         self._stop_sender = StopSender("web")
         self._stops: deque[tuple[str, str]] = deque(maxlen=STOPS_KEPT)
         """the newest STOPs, by browser and number: a page sends each STOP over two connections"""
@@ -87,7 +89,7 @@ class Hub:
         present = () if session is None else sorted({name for name, _ in session.monitor.present()})
         return tuple(name for name in present if self._only in (None, name))
 
-    def new_page(self, visitor: str, send: Callable[[bytes], None], close: Callable[[], None]) -> Face:
+    def new_page(self, visitor: str, send: Callable[[bytes], object], close: Callable[[], None]) -> Face:
         """Return the face of a new page, which shows the first robot; `close` closes the page's web socket."""
         robot = next(iter(self.robots()), self._only or self.settings.robot)
         desk = Desk(self._shelf, visitor)
@@ -123,6 +125,10 @@ class Hub:
             return
         self.end_driver(face)
         face.change(self._link.world(robot))
+
+    def _positions(self, robot: str, side: str) -> Positions | None:
+        session = self._link.session
+        return None if session is None else session.monitor.positions(robot, side)
 
     # -- driving -------------------------------------------------------------------------------------
 

@@ -7,6 +7,7 @@ from typing import Annotated, Final
 import msgspec
 from msgspec import Meta
 
+from beatrix_zenoh.client.choreography import GESTURES
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction
 from gui.console.state import actions, intents
 from gui.console.state.arms import HoldArm, ReleaseArm
@@ -83,6 +84,7 @@ class OpenProgram(Message, frozen=True, tag="open_program"):
 OWN: Final = (
     intents.Choose
     | intents.AimHead
+    | intents.GrabHead
     | intents.DismissRefusal
     | intents.DismissNotice
     | intents.DeletePose
@@ -97,6 +99,8 @@ OWN: Final = (
 DRIVING: Final = (
     HoldArm
     | intents.SendHead
+    | intents.LiveHead
+    | intents.ReleaseHead
     | intents.RunCommand
     | actions.MakeReady
     | actions.AskLease
@@ -108,9 +112,10 @@ DRIVING: Final = (
     | intents.Repeat
     | intents.PlaySequence
     | intents.RunBlocks
+    | actions.Play
 )
 """Intents of a page that drives. No page may use other ones, for example those that start programs or name files."""
-CHOICES: Final = ("language", "speed", "lead_s", "sim", "hw", "cameras")
+CHOICES: Final = ("language", "speed", "lead_s", "sim", "hw", "cameras", "live", "send_on_release")
 """Choices that a page may change."""
 LEASES: Final = (LeaseAction.TAKE, LeaseAction.WAIT, LeaseAction.GIVE_BACK)
 COMMANDS: Final = (Command.ENABLE, Command.CALIBRATE, Command.HOME, Command.RESET)
@@ -130,10 +135,12 @@ def read(text: str | bytes) -> Request:
 
 
 def _possible(request: Request) -> bool:
-    """Return whether a page has a button for this command or lease, or a field for this choice."""
+    """Return whether a page has a button for this command, lease or gesture, or a field for this choice."""
     match request:
         case actions.AskLease(action=action):
             return action in LEASES
+        case actions.Play(gesture=gesture):  # no file, and no poses: those are of the sequence
+            return gesture in GESTURES and request == actions.Play(actions.NEW, (), gesture=gesture)
         case intents.RunCommand(command=command):
             return command in COMMANDS
         case intents.Choose(name=name):

@@ -21,6 +21,7 @@ from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import Shutdown
 from gui.page.handlers import Context, Front, Live, Nothing, Pictures, Projector, StaticFiles, Stopper
 from gui.page.hub import Hub
+from gui.page.mesh import HeadMesh
 from gui.page.protection import Login
 from gui.page.shelf import Shelf
 from gui.page.static_files import STATIC, StaticFolder
@@ -34,6 +35,8 @@ SHOW_MS: Final = 100
 """Period of the views that pages get."""
 HEARTBEAT_MS: Final = 50
 """Period of the check for heartbeats."""
+POSE_MS: Final = 50
+"""Period of the poses that pages get of a robot that moves."""
 PING_S: Final = 5.0
 """Period of pings to each page; the connection of a page that does not reply is closed."""
 REQUEST_S: Final = 20.0
@@ -117,6 +120,7 @@ async def _run(server: Server, hub: Hub, ready: Callable[[], None], shutdown: Sh
         ioloop.PeriodicCallback(lambda: ended.set() if shutdown.requested(0.0) else None, SHOW_MS),
         ioloop.PeriodicCallback(hub.show, SHOW_MS),
         ioloop.PeriodicCallback(hub.check_heartbeats, HEARTBEAT_MS),
+        ioloop.PeriodicCallback(hub.poses.send, POSE_MS),
     ]
     for timer in timers:
         timer.start()
@@ -156,6 +160,7 @@ def application(context: Context) -> web.Application:
             ("/stop", Stopper),
             ("/live", Live),
             ("/pictures", Pictures),
+            ("/head.json", HeadMesh),
             (context.static.root + r"/([a-z0-9_./-]+)", StaticFiles),
             (r"/static/(vendor/[a-z0-9_./-]+)", StaticFiles),  # a path that outlives changes of the page
         ],

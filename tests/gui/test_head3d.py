@@ -19,13 +19,13 @@ from PyQt5.QtGui import QImage
 from PyQt5.QtTest import QTest
 from recording_link import RecordingLink
 
-from beatrix_zenoh.body.scene import Screen
+from beatrix_zenoh.body.scene import EARS, SKULL, Screen
 from beatrix_zenoh.client.degrees import HeadAngles
 from gui.console.state.intents import Choose, HeadOrientation, Intent, LiveHead, ReleaseHead
 from gui.console.state.state import State
 from gui.window.widgets import head3d
 from gui.window.widgets.head3d import VIEWS, Head3d
-from gui.window.widgets.head3d_drag import EARS, SKULL, Drag, Part, grabbed, on_screen
+from gui.window.widgets.head3d_drag import Drag, Part, grabbed, on_screen
 from gui.window.window import Window
 
 Taken = Callable[[], list[Intent]]

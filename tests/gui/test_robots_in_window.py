@@ -15,10 +15,11 @@ from pytestqt.qtbot import QtBot
 from robots import Stage, ready, until
 
 from beatrix_zenoh import Refused, Robot
+from beatrix_zenoh.body.scene import SKULL
 from beatrix_zenoh.contract.names import ARMS
 from gui.console.state.intents import HeadOrientation
 from gui.console.state.saved import Saved
-from gui.window.widgets.head3d_drag import SKULL, on_screen
+from gui.window.widgets.head3d_drag import on_screen
 
 pytestmark = pytest.mark.no_cover  # the tests of window, link and bridge cover the same code
 

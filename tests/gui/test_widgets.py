@@ -16,6 +16,7 @@ from PyQt5.QtWidgets import QAbstractButton, QAbstractSpinBox, QApplication, QSl
 from pytestqt.qtbot import QtBot
 from recording_link import ShownState
 
+from beatrix_zenoh.body.scene import EARS, SKULL
 from beatrix_zenoh.contract._generated.messages import Command
 from gui.console.state.actions import Abort, BeginRecording, EndRecording, SendNow
 from gui.console.state.intents import (
@@ -38,7 +39,7 @@ from gui.console.state.views import ButtonView, RecordView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
 from gui.window.widgets.head import HeadPad
-from gui.window.widgets.head3d_drag import EARS, SKULL, on_screen
+from gui.window.widgets.head3d_drag import on_screen
 from gui.window.window import Window
 
 Taken = Callable[[], list[Intent]]

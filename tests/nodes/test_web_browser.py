@@ -58,12 +58,21 @@ def yaw(robot: Robot) -> float:
     return robot.positions().head.yaw
 
 
-def aim(browser: Browser, **angles: float) -> None:
+def slide(browser: Browser, **angles: float) -> None:
     """Move sliders; a slider to the right is positive."""
     for part, angle in angles.items():
         slider = f"document.querySelector('#aim-{part}')"
         browser.run(f"{slider}.value = {angle}, {slider}.dispatchEvent(new Event('input'))")
-    browser.click("#send")
+
+
+def drag_face(browser: Browser, way: float) -> None:
+    """Drag the face to the right of the picture (px)."""
+    browser.run("scrollTo(0, 0)")
+    x, y = browser.run(
+        "(({x, y, width, height}) => [x + width / 2, y + height * 0.4])(document.querySelector('#marks').getBoundingClientRect())"
+    )
+    for kind, at in (("mousePressed", x), ("mouseMoved", x + way), ("mouseReleased", x + way)):
+        browser.mouse(kind, at, y)
 
 
 def edge(browser: Browser, selector: str, name: str) -> float:
@@ -104,14 +113,23 @@ def test_a_student_drives_from_a_browser(
     rests = yaw(robot)
     browser.run("document.querySelector('#lead').value = 5")
     browser.run("document.querySelector('#lead').dispatchEvent(new Event('change'))")
-    aim(browser, yaw=20)
+    slide(browser, yaw=20)
+    browser.click("#send")
     browser.wait(lambda: "hardware follows in" in browser.text("#countdown"), "the simulation leads")
     until(lambda: yaw(stage.robot("bea1", "sim")) < 0.0, "the simulation goes first")
     assert yaw(robot) == pytest.approx(rests, abs=0.5)
     browser.click("#send_now")
     until(lambda: yaw(robot) < -15.0, "the hardware follows at once")
 
-    for size in ((360, 640), (1366, 768)):
+    browser.resize(360, 740)
+    browser.click("#send_on_release")
+    browser.wait(lambda: browser.run("document.querySelector('#send_on_release').checked"), "chosen")
+    drag_face(browser, 60)
+    until(lambda: yaw(robot) > 0.0, "a drag is sent when it ends")
+    browser.click("#gestures button")
+    browser.wait(lambda: robot.positions().head.pitch > 3.0, "a gesture nods")
+
+    for size in ((360, 640), (820, 1180), (1366, 768)):
         check_size(browser, *size)
     browser.click("#sim")
     browser.run("document.querySelector('#looking').click()")
@@ -131,9 +149,7 @@ def test_a_refusal_and_its_alternative_in_german(browser: Browser, robot: Robot)
     browser.run("document.querySelector('#language').dispatchEvent(new Event('change'))")
     browser.wait(lambda: browser.text("#drive") == "Zurückgeben", "German")
     browser.resize(360, 740)
-    browser.run("document.querySelector('#aim-pitch').value = document.querySelector('#aim-roll').value = 30")
-    for part in ("pitch", "roll"):
-        browser.run(f"document.querySelector('#aim-{part}').dispatchEvent(new Event('input'))")
+    slide(browser, pitch=30, roll=30)
     browser.run(f"window.scrollBy(0, {edge(browser, '#send', 'bottom') - edge(browser, '#stop', 'top')})")
     browser.run("document.querySelector('#send').click()")  # where it is, just above STOP
     browser.wait(lambda: "35,0°" in browser.text("#refusal-head p"), "a refusal beside the sliders")

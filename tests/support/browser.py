@@ -33,17 +33,18 @@ OPTIONS = (
 )
 LONGEST = 50_000_000
 """Largest message from the browser (bytes): a picture of the page."""
-KEYS = {" ": "Space", "Escape": "Escape", "ArrowLeft": "ArrowLeft"}
+KEYS = {" ": 32, "Enter": 13, "Escape": 27, "ArrowLeft": 37}
+"""Keys, with the codes that some libraries still read."""
 
 
 class Browser:
     """Chromium with one page."""
 
-    def __init__(self, folder: Path, size: tuple[int, int] = (1366, 768)) -> None:
+    def __init__(self, folder: Path, size: tuple[int, int] = (1366, 768), *options: str) -> None:
         if shutil.which(PROGRAM) is None:
             pytest.fail(f"{PROGRAM} is missing: sudo apt install {PROGRAM}", pytrace=False)
         self._process = subprocess.Popen(
-            [PROGRAM, *OPTIONS, f"--user-data-dir={folder}", "about:blank"],
+            [PROGRAM, *OPTIONS, *options, f"--user-data-dir={folder}", "about:blank"],
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
@@ -153,7 +154,11 @@ class Browser:
     def _mouse(self, selector: str, *kinds: str) -> None:
         x, y = self._still(selector)
         for kind in kinds:
-            self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+            self.mouse(kind, x, y)
+
+    def mouse(self, kind: str, x: float, y: float) -> None:
+        """Send an event of the left button at a place of the screen (CSS pixels)."""
+        self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
 
     def _still(self, selector: str) -> tuple[float, float]:
         """Return the middle of an element (CSS pixels), once it keeps its place from one frame to the next."""
@@ -174,7 +179,10 @@ class Browser:
     def key(self, key: str) -> None:
         """Press and release a key."""
         for kind in ("rawKeyDown", "keyUp"):
-            self.call("Input.dispatchKeyEvent", type=kind, key=key, code=KEYS[key])
+            code = key.replace(" ", "Space")
+            self.call(
+                "Input.dispatchKeyEvent", type=kind, key=key, code=code, windowsVirtualKeyCode=KEYS[key]
+            )
 
     def type(self, text: str) -> None:
         """Type a text into the element that has the focus."""

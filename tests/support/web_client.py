@@ -54,6 +54,8 @@ class WebSocket:
     def __init__(self, browser: WebClient, path: str, headers: dict[str, str]) -> None:
         self._do = browser.do
         self.view: dict[str, Any] = {}
+        self.poses: list[bytes] = []
+        """messages of poses that arrived while a test waited for a view"""
         self._closed = False
         request = HTTPRequest(f"ws://127.0.0.1:{browser.port}{path}", headers=headers)
         self._socket = self._do(lambda: websocket_connect(request))
@@ -85,6 +87,9 @@ class WebSocket:
         def look() -> bool:
             text = self.read()
             assert text is not None, f"closed ({self.code}): {what}"
+            if isinstance(text, bytes):
+                self.poses.append(text)
+                return False
             self.view |= json.loads(text)
             self.send("seen")
             if heartbeat and self.view["you"]["drives"]:

@@ -77,8 +77,17 @@ def test_a_page_cannot_name_files_or_start_programs() -> None:
     for intent in allowed:
         assert not {"Path", "Place"} & {str(field.type) for field in msgspec.structs.fields(intent)}
     local = {action for action in vars(actions).values() if isinstance(action, type)} & {*allowed}
-    known = {actions.ChooseRobot, actions.MakeReady, actions.AskLease, actions.SendNow, actions.Abort}
-    assert local == {*known, actions.EndBlocks}
+    assert local == {
+        *(
+            actions.ChooseRobot,
+            actions.MakeReady,
+            actions.AskLease,
+            actions.SendNow,
+            actions.Abort,
+            actions.EndBlocks,
+        ),
+        actions.Play,  # of a gesture only: see the forged messages below
+    }
     assert intents.LimitClass not in allowed
 
 
@@ -97,6 +106,8 @@ def test_a_page_cannot_name_files_or_start_programs() -> None:
         '{"do":"AddPose","name":"' + "x" * 65 + '"}',
         '{"do":"Govern","row":1,"action":"freeze"}',
         '{"do":"Play","row":1,"sides":["sim"],"file":"/etc/passwd"}',
+        '{"do":"Play","row":0,"sides":[],"gesture":"../demo"}',
+        '{"do":"Play","row":0,"sides":["hw"],"gesture":"yes"}',
     ],
 )
 def test_a_message_that_no_page_sends_is_invalid(forged: str) -> None:
@@ -112,6 +123,7 @@ def test_a_message_that_no_page_sends_is_invalid(forged: str) -> None:
         '{"do":"RunCommand","command":6,"side":"hw"}',
         '{"do":"AimHead","yaw":180,"pitch":-30,"roll":0}',
         '{"do":"AddPose","name":"Kopf hoch"}',
+        '{"do":"Play","row":0,"sides":[],"file":null,"poses":[],"again":[],"lead_s":0.0,"gesture":"yes"}',
     ],
 )
 def test_a_message_of_a_button_or_a_field_is_read(sent: str) -> None:

@@ -27,6 +27,7 @@ let taken = null; // the message of the server with the program that was taken l
 let saved = ""; // the program as the server has it
 let timer = 0;
 let marked = ""; // the result that is shown at a block
+let broken = ""; // key of the sentence about a program that the editor cannot show
 
 const text = (key, values) => page.text(`page.block_${key}`, values);
 const current = () => JSON.stringify(Blockly.serialization.workspaces.save(workspace));
@@ -139,7 +140,8 @@ function inject() {
     (item) => (item.type === "variables_set" ? { ...item, inputs: shadows({ VALUE: 0 }) } : item)));
   fit();
   show(program ?? open.program);
-  if (program === null && page.view.blocks) showRun(page.view.blocks);
+  marked = "";
+  if (page.view.blocks) showRun(page.view.blocks);
 }
 
 function fit() {
@@ -152,10 +154,11 @@ function show(program) {
   const fill = (state) => Blockly.serialization.workspaces.load(state, workspace);
   try {
     fill(program ? JSON.parse(program) : NEW);
+    broken = "";
   } catch {
     fill(NEW);
     open.name = freeName(open.name);
-    note(text("bad_file"));
+    broken = "page.block_bad_file";
   }
   if (!workspace.getBlocksByType("start").length) Blockly.serialization.blocks.append(NEW.blocks.blocks[0], workspace);
   for (const block of workspace.getBlocksByType("start")) block.setDeletable(false);
@@ -212,7 +215,10 @@ function note(sentence) {
 // -- the parts of the view ----------------------------------------------------------------------------
 
 function showRun({ run, end, block, text: result, at }) {
-  page.bind(byId("block-run"), run, () => ({ program: keep(true) }));
+  page.bind(byId("block-run"), run, () => {
+    if (!page.view.you.drives) scrollTo(0, 0); // to the button Drive
+    return { program: keep(true) };
+  });
   page.bind(byId("block-end"), end);
   byId("block-run").disabled ||= !workspace;
   byId("block-result").textContent = result;
@@ -224,7 +230,7 @@ function showRun({ run, end, block, text: result, at }) {
   const refused = at && workspace.getBlockById(at);
   if (!refused) return;
   refused.setWarningText(result);
-  workspace.centerOnBlock(at);
+  workspace.scrollBoundsIntoView(refused.getBoundingRectangleWithoutChildren());
   Blockly.common.setSelected(refused);
 }
 
@@ -234,7 +240,7 @@ function showPrograms({ names, others, python, wrong, note: [key, slots] }) {
   list.replaceChildren(...shown.map((name) => option("", name)), ...others.map(([owner, name]) => option(owner, name)));
   list.value = JSON.stringify([open.owner, open.name]);
   byId("block-code").value = wrong ? `# ${page.text(...wrong)}` : python;
-  note(key && page.text(key, slots));
+  note((broken || key) && page.text(broken || key, slots));
 }
 
 function showOpened(opened) {
@@ -290,7 +296,8 @@ function copy() {
 
 export function connectBlocks(functions) {
   page = functions;
-  onTab("blocks", start);
+  onTab("drive", () => byId("head").prepend(byId("stage")));
+  onTab("blocks", () => { byId("block-stage").append(byId("stage")); start(); });
   byId("block-programs").onchange = (event) => {
     const [seat, name] = JSON.parse(event.target.value);
     if (workspace) keep();

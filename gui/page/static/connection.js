@@ -30,13 +30,15 @@ export function trouble() {
   return lost || (heard && (!isOpen() || performance.now() - heard > LOST_MS) ? "page.lost" : "");
 }
 
-export function connect(receive, closed) {
+export function connect(receive, receivePose, closed) {
   const opened = socket = new WebSocket(`ws://${location.host}/live`);
+  opened.binaryType = "arraybuffer";
   let answered = false;
   opened.onopen = () => send({ do: "open", saved: savedChoices() });
   opened.onmessage = (event) => {
     answered = true;
     heard = performance.now();
+    if (typeof event.data !== "string") return receivePose(event.data);
     send({ do: "seen" });
     const parts = JSON.parse(event.data);
     if (parts.saved) localStorage.setItem("saved", JSON.stringify(parts.saved));
@@ -46,7 +48,7 @@ export function connect(receive, closed) {
     heard ||= 1;
     if (event.code === MALFORMED) localStorage.removeItem("saved");
     if (event.code > 4000) lost = "page.closed";
-    else setTimeout(() => (answered ? connect : checkLogin)(receive, closed), RETRY_MS);
+    else setTimeout(() => (answered ? connect : checkLogin)(receive, receivePose, closed), RETRY_MS);
     closed();
   };
 }
@@ -59,12 +61,12 @@ function savedChoices() {
   return { language: navigator.language.slice(0, 2) };
 }
 
-async function checkLogin(receive, closed) {
+async function checkLogin(...receivers) {
   // A restarted server does not know the cookie: it replies with the form for the PIN or a redirect. Then reload.
   try {
     const page = await fetch("/", { redirect: "manual" });
     const html = await page.text();
     if (page.type === "opaqueredirect" || !html.includes('name="token"')) location.reload();
   } catch { /* the server does not answer yet */ }
-  connect(receive, closed);
+  connect(...receivers);
 }

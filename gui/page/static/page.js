@@ -2,6 +2,7 @@
 import { BLOCKS, connectBlocks } from "./blocks.js";
 import { connect, isOpen, send, sinceRequest, sinceSent, trouble } from "./connection.js";
 import { connectEyes, showEyes } from "./eyes.js";
+import { changed, connectHead, receivePose, seenFromFront } from "./head.js";
 import { connectTabs } from "./tabs.js";
 
 const BEAT_MS = 100; // period of the heartbeats of a page whose robots move, or may move after a message
@@ -16,13 +17,15 @@ const ROTATIONS = { yaw: [1, -1], pitch: [-1, 1], roll: [-1, 1] };
 const ARMS = ["short", "middle", "long"];
 const COLUMNS = ["robot", "side", "state", "driver", "turn", "waiting", "rate", "age", "remarks"];
 const KEYS = { ArrowLeft: "yaw-plus", ArrowRight: "yaw-minus", ArrowUp: "pitch-minus", ArrowDown: "pitch-plus" };
+const BOXES = ["sim", "hw", "live", "send_on_release"];
 const WATCHERS = ["ChooseRobot", "DismissNotice", "DismissRefusal", "EmergencyStop", "AddPose", "DeletePose", "SetDuration", "EndBlocks"];
 
 const byId = (id) => document.getElementById(id);
 const token = document.querySelector("meta[name=token]").content;
 const view = { texts: {}, you: {}, robot: "" };
 let held = null; // the button that is held
-let aimed = 0; // time (ms) of the last move of a slider
+let aimed = -1e6; // time (ms) of the last move of a slider or of the head
+let wanted = null; // the target of that move
 
 const text = (key, values = {}) => (view.texts[key] ?? "").replace(/\{(\w+)\}/g, (_, name) => values[name]);
 
@@ -111,6 +114,8 @@ const SHOW = {
   },
   pills: (pills) => pills.forEach(showPill),
   head: showHead,
+  border: changed,
+  gestures: showGestures,
   arms: showArms,
   choices: showChoices,
   sending: showSending,
@@ -153,7 +158,12 @@ function showTexts() {
     if (part in ROTATIONS) set(button, text(`page.${button.id}`));
     button.ariaLabel = part in ROTATIONS ? text(`page.${button.id}`) : `${text(`arm.${part}`)} ${sign > 0 ? "+" : "−"}`;
   }
+  showAround();
   document.querySelector("#class thead").replaceChildren(...COLUMNS.map((name) => make("th", text(`label.class_${name}`))));
+}
+
+function showAround() {
+  set(byId("around"), text(seenFromFront() ? "page.from_behind" : "page.from_front"));
 }
 
 function showTrouble() {
@@ -208,14 +218,26 @@ function showHead(head) {
     const most = part === "yaw" ? head.yaw_max : head.tilt_max;
     slider.max = most;
     slider.min = -most;
-    if (performance.now() - aimed > 400) slider.value = head.target[part] * direction(part);
+    slider.value = target()[part] * direction(part);
     set(byId(`value-${part}`), bothAngles((side) => head[side] && signed(head[side][part])));
-    set(byId(`target-${part}`), `${text(`label.${part}`)} ${signed(aim(part))}`);
+    set(byId(`target-${part}`), `${text(`label.${part}`)} ${signed(target()[part])}`);
     slider.ariaLabel = text(`label.${part}`);
-    slider.ariaValueText = signed(aim(part));
+    slider.ariaValueText = signed(target()[part]);
   }
   bind(byId("send"), head.send);
   showRefusal("refusal-head", head.refusal);
+  byId("no-head").hidden = Boolean(head.shown);
+  byId("around").hidden = !head.shown;
+  const both = head.sim && head.hw ? [head.solid, head.solid === "sim" ? "hw" : "sim"] : [];
+  byId("sides").replaceChildren(...both.map((side, index) => make("span", `${"■□"[index]} ${text(`label.${side}`)}`, side)));
+  changed();
+}
+
+function showGestures({ gestures, refusal }) {
+  const row = byId("gestures");
+  if (row.children.length !== gestures.length) row.replaceChildren(...gestures.map(() => make("button")));
+  gestures.forEach(([, button], index) => bind(row.children[index], button));
+  showRefusal("refusal-gestures", refusal);
 }
 
 function showArms(arms) {
@@ -229,7 +251,7 @@ function showArms(arms) {
 
 function showChoices() {
   const { choices, arms } = view;
-  for (const side of ["sim", "hw"]) byId(side).checked = choices[side];
+  for (const name of BOXES) byId(name).checked = choices[name];
   choose(byId("speed"), SPEEDS.filter((speed) => speed <= arms.speed_max), choices.speed, (speed) => `${speed}${text("label.speed_unit")}`);
   choose(byId("lead"), LEADS, choices.lead_s, (lead) => `${lead}${text("label.lead_unit")}`);
 }
@@ -338,17 +360,20 @@ function keys(event) {
 // -- the target of the head ---------------------------------------------------------------------------
 
 const direction = (part) => (part === "yaw" ? -1 : 1); // a slider to the left turns the head to the left
-const aim = (part) => Number(byId(`aim-${part}`).value) * direction(part) + 0;
+// The newest move counts until the server has answered it.
+const target = () => (aiming || dragging || performance.now() - aimed < 400 ? wanted : view.head.target);
 
 function sendAim() {
-  const [yaw, pitch, roll] = Object.keys(ROTATIONS).map(aim);
-  send({ do: "AimHead", yaw, pitch, roll });
+  send({ do: "AimHead", ...wanted });
+  if (dragging && view.you.drives && view.choices.live) send({ do: "LiveHead" });
 }
 
-let aiming = 0;
-function onAim() {
+let aiming = 0, dragging = false;
+function aim(orientation) {
+  wanted = orientation;
   aimed = performance.now();
   aiming ||= setTimeout(() => { aiming = 0; sendAim(); }, AIM_MS);
+  showHead(view.head);
 }
 
 // The last target goes before the intent of the button *Send*.
@@ -357,6 +382,18 @@ function finishAim() {
   clearTimeout(aiming);
   aiming = 0;
   sendAim();
+}
+
+function grab() {
+  wanted = target();
+  dragging = true;
+  send({ do: "GrabHead" });
+}
+
+function releaseHead() {
+  finishAim();
+  dragging = false;
+  if (view.you.drives) send({ do: "ReleaseHead" }); // it sends the target, if that was chosen
 }
 
 // -- building -----------------------------------------------------------------------------------------
@@ -385,11 +422,14 @@ function named(kind, id, className = "") {
 function build() {
   for (const [part, [left, right]] of Object.entries(ROTATIONS)) {
     const slider = named("input", `aim-${part}`);
-    Object.assign(slider, { type: "range", step: 0.5, value: 0, oninput: onAim });
+    const slide = () => aim({ ...target(), [part]: Number(slider.value) * direction(part) + 0 });
+    Object.assign(slider, { type: "range", step: 0.5, value: 0, oninput: slide });
     slider.onkeydown = (event) => { if (event.key === "Enter") byId("send").click(); };
     const names = make("div", "", "angles");
     names.append(named("b", `target-${part}`), named("span", `value-${part}`));
-    byId("rotations").append(names, jogButton(part, left), slider, jogButton(part, right));
+    const both = make("div");
+    both.append(names, slider);
+    byId("rotations").append(jogButton(part, left), both, jogButton(part, right));
   }
   for (const arm of ARMS) {
     const names = make("div", "", "angles");
@@ -425,9 +465,7 @@ const sendChoice = (name, value) => send({ do: "Choose", name, value });
 byId("language").onchange = (event) => sendChoice("language", event.target.value);
 byId("speed").onchange = (event) => sendChoice("speed", Number(event.target.value));
 byId("lead").onchange = (event) => sendChoice("lead_s", Number(event.target.value));
-for (const side of ["sim", "hw"]) {
-  byId(side).onchange = (event) => sendChoice(side, event.target.checked);
-}
+for (const name of BOXES) byId(name).onchange = (event) => sendChoice(name, event.target.checked);
 byId("looking").onchange = (event) => sendChoice("cameras", event.target.checked);
 byId("class").ontoggle = (event) => send({ do: "class", on: event.target.open });
 addEventListener("keydown", keys, true);
@@ -443,4 +481,5 @@ setInterval(showTrouble, 500);
 connectBlocks({ text, bind, view });
 connectTabs();
 connectEyes(isOpen, () => showEyes(view));
-connect(receive, () => { releaseButton(); showTrouble(); });
+connectHead({ view, target, aim, grab, release: releaseHead, turned: showAround });
+connect(receive, receivePose, () => { releaseButton(); showTrouble(); });

@@ -9,9 +9,9 @@ from typing import Final
 
 import numpy as np
 
-from beatrix_zenoh.body.scene import Screen
+from beatrix_zenoh.body.scene import EARS, NOSE, SKULL, Screen
 from beatrix_zenoh.body.surface import Floats
-from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES
+from beatrix_zenoh.contract._generated.robot import SIZES
 from beatrix_zenoh.motion.rotation import Rotation, rotation_of
 from gui.console.state.intents import HeadOrientation
 from gui.console.state.views import HeadView
@@ -26,14 +26,6 @@ EAR_LEVER: Final = 0.08
 """The same for roll."""
 BEYOND: Final = 1.2
 """Largest lean of a target, divided by the limit: the user may aim beyond the limit, and the refusal explains it."""
-SKULL: Final = (0.0, 0.0, ROBOT.head.centre_height)
-NOSE: Final = (0.102, 0.0, ROBOT.head.centre_height - 0.022)
-EARS: Final = {
-    "left": (-0.006, 0.082, ROBOT.head.centre_height + 0.012),
-    "right": (-0.006, -0.082, ROBOT.head.centre_height + 0.012),
-}
-CROWN: Final = (0.0, 0.0, ROBOT.head.centre_height + 0.102)
-"""Points of the head at home (m, from the neck centre)."""
 FLOOR: Final = SIZES.floor
 
 

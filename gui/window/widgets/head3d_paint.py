@@ -14,7 +14,7 @@ from PyQt5.QtCore import QPointF, QRectF, QSizeF, Qt
 from PyQt5.QtGui import QBrush, QColor, QImage, QPainter, QPen, QPolygonF
 
 from beatrix_zenoh.body.figure import Figure, meshes
-from beatrix_zenoh.body.scene import Screen, Viewpoint, Whole, draw, hull
+from beatrix_zenoh.body.scene import CROWN, EARS, NOSE, SKULL, Screen, Viewpoint, Whole, draw, hull
 from beatrix_zenoh.body.surface import Floats, Mesh
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.motion.kinematics import Neck
@@ -22,7 +22,7 @@ from beatrix_zenoh.motion.limits.region import reach
 from gui.console.state.intents import HeadOrientation
 from gui.console.state.views import HeadView
 from gui.window.theme import Style
-from gui.window.widgets.head3d_drag import CROWN, EARS, FLOOR, NOSE, SKULL, Part, furthest, on_screen, turned
+from gui.window.widgets.head3d_drag import FLOOR, Part, furthest, on_screen, turned
 
 GHOST: Final = 0.42
 """Opacity of the ghost."""
