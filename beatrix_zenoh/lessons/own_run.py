@@ -41,7 +41,8 @@ class OwnRun(Checked):
         """Prepare to observe the simulation of this name; a program that runs for longer than `limit_s` (s) has no end."""
         self._watch, self._limit_s, self._robot = RobotWatch(client, robot), limit_s, robot
         self._began_ns, self._end_s = 0, 0.0
-        self._in_time = True
+        self.in_time = True
+        """whether the program was not ended because of its limit"""
 
     def __enter__(self) -> Self:
         with contextlib.suppress(NoAnswer):
@@ -52,8 +53,8 @@ class OwnRun(Checked):
     def look(self) -> bool:
         """Keep what was published; return False if the program must end now. To be called every 30 s at least."""
         self._watch.take()
-        self._in_time = self._in_time and time.monotonic() < self._end_s
-        return self._in_time
+        self.in_time = self.in_time and time.monotonic() < self._end_s
+        return self.in_time
 
     def __exit__(self, *_error: object) -> None:
         time.sleep(TAIL_S)
@@ -67,7 +68,7 @@ class OwnRun(Checked):
         if not self._began_ns:
             raise busy(phrase("no_positions"))
         seen = self._watch.end(self._began_ns)
-        if not self._in_time:
+        if not self.in_time:
             raise Unmet("ends", what=phrase("program"), limit=self._limit_s, **pace({self._robot: seen}))
         self.doubt = seen.doubt
         slips.motions((seen,))

@@ -31,6 +31,7 @@ from gui.console.link.stopping import send_stop
 from gui.console.state.actions import SendStop
 from gui.console.state.intents import Stop
 from gui.page.face import Driver, Face
+from gui.page.lessons_face import Lessons
 from gui.page.poses import Poses
 from gui.page.shelf import Desk, Shelf
 
@@ -93,7 +94,8 @@ class Hub:
         """Return the face of a new page, which shows the first robot; `close` closes the page's web socket."""
         robot = next(iter(self.robots()), self._only or self.settings.robot)
         desk = Desk(self._shelf, visitor)
-        face = Face(self._link.world(robot), visitor, send, close, self._stop, desk)
+        lessons = Lessons(self._shelf.folder.parent / "progress" / visitor, self._call)
+        face = Face(self._link.world(robot), visitor, send, close, self._stop, desk, lessons)
         self.pages.add(face)
         return face
 
@@ -159,6 +161,7 @@ class Hub:
             return
         driver.link.drop()
         self._closing = [thread for thread in self._closing if thread.is_alive()]
+        self._closing += face.lessons.threads
         self._closing.append(threads.start(driver.link.close, "close"))  # it may wait for the router
         face.state.leave()
         face.notify(key)
