@@ -21,11 +21,13 @@ from gui.console.state.world import World
 from gui.page import messages, protection, server
 from gui.page.face import Driver, Face
 from gui.page.handlers import MALFORMED
+from gui.page.lessons_face import Lessons
 from gui.page.protection import PinLogin
 from gui.page.shelf import Desk, Shelf
 from gui.page.static_files import STATIC
 
 DESK = Desk(Shelf(Path("nowhere")), "guest-1")
+LESSONS = Lessons(Path("nowhere"), lambda *_: None)
 
 
 @pytest.mark.parametrize(
@@ -122,7 +124,10 @@ def test_a_message_of_a_button_or_a_field_is_read(sent: str) -> None:
 
 def driving(now: World) -> tuple[Face, MagicMock]:
     """Return the face of a page that drives, and its link."""
-    face, link = Face(now, "guest-1", lambda _: None, lambda: None, lambda *_: None, DESK), MagicMock()
+    face, link = (
+        Face(now, "guest-1", lambda _: None, lambda: None, lambda *_: None, DESK, LESSONS),
+        MagicMock(),
+    )
     face.driver = Driver(link, "web-mia", time.monotonic())
     return face, link
 
