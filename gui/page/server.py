@@ -47,8 +47,8 @@ LIMITS: Final = {
     "body_timeout": REQUEST_S,
     "idle_connection_timeout": REQUEST_S,
 }
-MESSAGE_MAX: Final = 32768
-"""Largest message of a page, bytes: the choices and poses that its browser has kept."""
+MESSAGE_MAX: Final = 1 << 17
+"""Largest message of a page, bytes: the largest program of blocks, as a text in JSON."""
 
 
 class Server(httpserver.HTTPServer):
