@@ -8,7 +8,7 @@ import { connectTabs } from "./tabs.js";
 
 const BEAT_MS = 100; // period of the heartbeats of a page whose robots move, or may move after a message
 const REST_MS = 500; // period of the heartbeats of a page that drives or waits, and moves nothing
-const BEGIN_MS = 1000; // time after a message in which a motion begins
+const BEGIN_MS = 3000; // time after a message in which a motion begins
 const AIM_MS = 60; // shortest time between two targets
 const CONFIRM_MS = 5000;
 const SPEEDS = [10, 20, 30, 40, 60, 90]; // °/s
