@@ -26,7 +26,8 @@ let model = null, paint = null, drag = null, orbit = null, over = null, frame = 
 export async function connectHead(own) {
   page = own;
   model = await (await fetch("/head.json")).json();
-  const renew = () => { paint = webgl(canvas, model) ?? flat(canvas, model); changed(); };
+  const chip = hasGraphicsChip();
+  const renew = () => { paint = chip ? webgl(canvas, model) : flat(canvas, model); changed(); };
   renew();
   canvas.addEventListener("webglcontextlost", (event) => event.preventDefault()); // a tablet that slept
   canvas.addEventListener("webglcontextrestored", renew);
@@ -42,6 +43,12 @@ export async function connectHead(own) {
     page.turned();
     changed();
   };
+}
+
+// WebGL that a processor computes is slower than `flat`, and delays heartbeats.
+function hasGraphicsChip() {
+  const gl = document.createElement("canvas").getContext("webgl"), info = gl?.getExtension("WEBGL_debug_renderer_info");
+  return gl && !/swiftshader|llvmpipe|software|basic render/i.test(gl.getParameter(info?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER));
 }
 
 export const seenFromFront = () => Math.cos(camera.azimuth / DEG) > 0;
