@@ -105,6 +105,7 @@ def main() -> None:
         TemporaryDirectory() as profile,
         Browser(Path(profile), LAPTOP) as page,
     ):
+        page.pretend_graphics_chip()
         page.open(f"http://127.0.0.1:{port}/")
         page.wait(lambda: "motors off" in page.text("#pills"), "the page")
         laptop(page, folder / "web-page.png")
