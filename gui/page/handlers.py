@@ -40,6 +40,8 @@ class Context:
 class Guarded(web.RequestHandler):
     """A handler that refuses requests with a foreign Host or Origin header."""
 
+    styles = protection.OWN_STYLES
+
     @property
     def context(self) -> Context:
         """The shared data."""
@@ -56,7 +58,7 @@ class Guarded(web.RequestHandler):
 
     def set_default_headers(self) -> None:
         """Set the headers of every reply, errors included."""
-        for name, value in protection.headers(self.host).items():
+        for name, value in protection.headers(self.host, self.styles).items():
             self.set_header(name, value)
 
     def prepare(self) -> None:
@@ -128,11 +130,7 @@ class Front(Guarded):
     """The control page, or the form for the PIN."""
 
     template = "page.html"
-
-    def set_default_headers(self) -> None:
-        """Set the headers, with the styles of the blocks."""
-        for name, value in protection.headers(self.host, protection.BLOCK_STYLES).items():
-            self.set_header(name, value)
+    styles = protection.BLOCK_STYLES
 
     def get(self) -> None:
         """Show the page to a browser that is logged in; otherwise show the form, or log in if nothing is needed."""
@@ -168,6 +166,7 @@ class Projector(Front):
     """The page that a projector shows to the class; it only reads."""
 
     template = "class.html"
+    styles = protection.OWN_STYLES
 
 
 class Stopper(Guarded):

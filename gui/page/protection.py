@@ -23,6 +23,7 @@ WINDOW_S: Final = 60.0
 WRONG_MAX: Final = 5
 """Largest number of wrong PINs of one address within WINDOW_S: for all PINs of six digits it needs four months."""
 
+OWN_STYLES: Final = "'self'"
 BLOCK_STYLES: Final = "'self' 'sha256-Mpp7TbvFHtv0YspXin2MLIdaArPaD5O+gFUwoq8z38c=' 'sha256-xyn+siE7dlrphGa56tdAxYa7fIB6tr5xH9byXc4LASE='; style-src-attr 'unsafe-inline'"
 """The two style sheets that Blockly writes into the page, and its style attributes; scripts stay 'self'."""
 FOREIGN_HOST: Final = (
@@ -62,10 +63,10 @@ def origin_allowed(origin: str | None, host: str) -> bool:
     return origin == f"http://{host.lower()}"
 
 
-def headers(host: str, styles: str = "'self'") -> dict[str, str]:
+def headers(host: str, styles: str) -> dict[str, str]:
     """Return the headers of every reply: the page loads nothing from elsewhere, and no other page may show it.
 
-    `styles`: the sources of styles; BLOCK_STYLES for the page with blocks.
+    `styles`: OWN_STYLES, or BLOCK_STYLES for the page with blocks.
     """
     own_sockets = f"ws://{host}"  # named, because older Safari does not count web sockets as 'self'
     policy = (
