@@ -1,4 +1,8 @@
-"""A lesson is a folder of `lessons/library/`: its texts, its programs, its check, and what it says about each figure."""
+"""A lesson is a folder of `lessons/library/`: its texts, its programs, its check, and what it says about each figure.
+
+Lessons with `blocks` in lesson.toml suit programs of blocks. One with a start.py, too, has `blocks.md` and `blocks.toml`,
+which say with blocks what its page, its hints and the explanations of its figures say with Python.
+"""
 
 from __future__ import annotations
 
@@ -40,6 +44,13 @@ class _Texts(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     figures: dict[str, FigureTexts] = {}
 
 
+class _BlockTexts(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
+    """The contents of `blocks.toml`: hints, and what figures mean, by name; what they ask and find is the same."""
+
+    hints: list[str] = []
+    means: dict[str, str] = {}
+
+
 class LessonFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """The contents of `lesson.toml`."""
 
@@ -57,6 +68,8 @@ class LessonFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """why `beatrix lesson turn` cannot run the program on a robot, and what to do instead; empty: it can"""
     endless: bool = False
     """whether the program runs until Ctrl-C, so that a turn on the robot ends it without an error"""
+    blocks: list[str] = []
+    """types of the blocks to choose from; empty: the lesson needs Python"""
     title_de: str = ""
     goal_de: str = ""
 
@@ -71,7 +84,8 @@ class Lesson:
         self.folder = folder
         self.language = language if (folder / f"lesson.{language}.md").is_file() else ENGLISH
         self.name = folder.name
-        self.number = int(folder.name.split("-")[0])
+        self.number = int(folder.name.split("-")[0].lstrip("b"))
+        """that of the lesson whose idea it shares, if it is for blocks only"""
         self.about = _read(folder / "lesson.toml", LessonFile)
         german = self.language == "de"
         self.title = (german and self.about.title_de) or self.about.title
@@ -93,19 +107,44 @@ class Lesson:
         return translated if translated.is_file() else path
 
 
+class BlockLesson(Lesson):
+    """A lesson with the texts for pupils who solve it with blocks."""
+
+    def __init__(self, folder: Path, language: str = ENGLISH) -> None:
+        super().__init__(folder, language)
+        own = _BlockTexts()
+        if (folder / "blocks.md").is_file():
+            self.page = self._translated(folder / "blocks.md")
+            own = _read(self._translated(folder / "blocks.toml"), _BlockTexts)
+        general = _read(self._translated(LIBRARY / "blocks.toml"), _BlockTexts)
+        self.hints = own.hints or self.hints
+        self._means = general.means | own.means
+
+    def figure(self, name: str) -> FigureTexts:
+        """As `Lesson.figure`, without words about Python."""
+        texts = super().figure(name)
+        return msgspec.structs.replace(texts, means=self._means.get(name, texts.means))
+
+
 def names() -> list[str]:
-    """Return the names of all lessons in their order."""
+    """Return the names of all lessons in their order, those for blocks only last."""
     return sorted(path.parent.name for path in LIBRARY.glob("*/lesson.toml"))
 
 
 def lessons(language: str = ENGLISH) -> list[Lesson]:
-    """Return all lessons in their order."""
-    return [Lesson(LIBRARY / name, language) for name in names()]
+    """Return all lessons in Python in their order."""
+    return [Lesson(LIBRARY / name, language) for name in names() if (LIBRARY / name / "start.py").is_file()]
+
+
+def block_lessons(language: str = ENGLISH) -> list[BlockLesson]:
+    """Return all lessons that suit blocks, in the order in which their numbers rise."""
+    found = (BlockLesson(LIBRARY / name, language) for name in names())
+    return sorted((one for one in found if one.about.blocks), key=lambda one: one.number)
 
 
 def find(number: int, language: str = ENGLISH) -> Lesson:
-    """Return a lesson by its number; raises Refused (BAD_VALUE) if there is none."""
-    by_number = {int(name.split("-")[0]): name for name in names()}
+    """Return a lesson in Python by its number; raises Refused (BAD_VALUE) if there is none."""
+    by_number = {one.number: one.name for one in lessons()}
     if number in by_number:
         return Lesson(LIBRARY / by_number[number], language)
     numbers = ", ".join(map(str, by_number))

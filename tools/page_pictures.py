@@ -133,6 +133,7 @@ def main() -> None:
 def draw(endpoint: str, profile: Path, folder: Path) -> None:
     """Start server and browser, and draw the pictures."""
     with serving(endpoint) as port, Browser(profile, LAPTOP) as page:
+        page.pretend_graphics_chip()
         page.open(f"http://127.0.0.1:{port}/")
         page.wait(lambda: "motors off" in page.text("#pills"), "the page")
         laptop(page, folder / "web-page.png")

@@ -30,10 +30,13 @@ LONGEST_S: Final = 1.0
 """Longest time (s) that a pupil waits for a report."""
 
 
-def report(lesson: str, state: LessonState) -> None:
-    """Report a lesson to the class's router if this computer has an account; give up after LONGEST_S, without a word."""
+def report(lesson: str, state: LessonState, settings: Settings | None = None) -> None:
+    """Report a lesson to the class's router if there is an account; give up after LONGEST_S, without a word.
+
+    settings: of the seat; None: those of this computer.
+    """
     with contextlib.suppress(BeatrixError):
-        settings = resolve()
+        settings = settings or resolve()
         if settings.account is not None:
             threads.start(lambda: _publish(settings, lesson, state), "lesson-report").join(LONGEST_S)
 

@@ -32,7 +32,17 @@ from beatrix_zenoh.lessons import bench, slips
 from beatrix_zenoh.lessons.bench import Bench, Course
 from beatrix_zenoh.lessons.function_child import ALARM_CODE, SLOWER, FunctionReply, plain
 from beatrix_zenoh.lessons.guarded import LineChild, NoReply, Run
-from beatrix_zenoh.lessons.phrases import ErrorData, NotMeasurable, Phrase, Still, Unmet, busy, phrase, shown
+from beatrix_zenoh.lessons.phrases import (
+    Checked,
+    ErrorData,
+    NotMeasurable,
+    Phrase,
+    Still,
+    Unmet,
+    busy,
+    phrase,
+    shown,
+)
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.sandbox import Sandbox, scratch
 from beatrix_zenoh.lessons.stage import POLL_S, PUPIL, ROBOT, Seen, Stage, open_stage, pace
@@ -55,7 +65,7 @@ NO_ROUTER = "tcp/127.0.0.1:1"
 """Functions are called without robots: no router listens on this port."""
 
 
-class Attempt:
+class Attempt(Checked):
     """One check of one program. Use it in a `with` block, which ends all processes that it has started."""
 
     def __init__(
@@ -78,12 +88,8 @@ class Attempt:
         self._shared: Stage | None = None
         self._open = ExitStack()
         self._functions: LineChild | None = None
-        self.doubt: Phrase | None = None
-        """why a figure that is not met may be the fault of this computer; None: it was fast enough"""
         self.used_s = 0.0
         """processor time (s) of the last call of a function"""
-        self.cores = 0.0
-        """part of a core that the last observed program has used; 0 if the system does not tell"""
 
     def __enter__(self) -> Self:
         temporary = self._open.enter_context(scratch())
@@ -99,12 +105,6 @@ class Attempt:
         with open_stage(robots, tell=self._tell) as self._shared:
             yield
         self._shared = None
-
-    @staticmethod
-    def require(figure: str, met: bool, **values: object) -> None:  # noqa: FBT001 - reads as a sentence
-        """End the check with this figure of hints.toml unless it is met; `values` fill its sentences."""
-        if not met:
-            raise Unmet(figure, **values)
 
     # -- function -------------------------------------------------------------------------------
 

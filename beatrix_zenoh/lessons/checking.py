@@ -5,6 +5,7 @@ from __future__ import annotations
 import runpy
 import shutil
 import textwrap
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from enum import Enum
@@ -13,13 +14,24 @@ from pathlib import Path
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lesson_files import Lesson
 from beatrix_zenoh.lessons.attempt import Attempt
-from beatrix_zenoh.lessons.phrases import NotMeasurable, Phrase, Unmet, busy, error_data, phrase, said
+from beatrix_zenoh.lessons.phrases import (
+    Checked,
+    NotMeasurable,
+    Phrase,
+    Unmet,
+    busy,
+    error_data,
+    phrase,
+    said,
+)
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.progress import Record
 from beatrix_zenoh.output import say
 
 BUSY_CORES = 0.5
 """A program that uses a larger part of a core keeps the computer busy itself."""
+LOADING = threading.Lock()
+"""runpy may run in one thread at a time only; a page server checks for many pupils."""
 
 
 class Result(Enum):
@@ -68,26 +80,37 @@ def check(
         keep=keep,
         tell=lambda text: tell(str(said(text, lesson.language))),
     )
-    try:
+
+    def run() -> None:
         with attempt:
             program.compile()
             check_of(lesson)(attempt)
+
+    found = judged(lesson, attempt, run)
+    if found.result is Result.PASSED and program.changed():
+        return not_measurable(lesson, phrase("changed", file=program.path.name))
+    return found
+
+
+def judged(lesson: Lesson, checked: Checked, run: Callable[[], None]) -> Verdict:
+    """Return the verdict of a check that `run` makes."""
+    try:
+        run()
     except Unmet as unmet:
-        if attempt.doubt:
-            return not_measurable(lesson, busy(attempt.doubt).why, attempt.cores)
+        if checked.doubt:
+            return not_measurable(lesson, busy(checked.doubt).why, checked.cores)
         return verdict(lesson, unmet)
     except NotMeasurable as why:
-        return not_measurable(lesson, why.why, attempt.cores)
+        return not_measurable(lesson, why.why, checked.cores)
     except BeatrixError as error:
         return not_measurable(lesson, phrase("stuck", error=error_data(error).unnamed))
-    if program.changed():
-        return not_measurable(lesson, phrase("changed", file=program.path.name))
     return Verdict(Result.PASSED)
 
 
-def check_of(lesson: Lesson) -> Callable[[Attempt], None]:
+def check_of(lesson: Lesson) -> Callable[[Checked], None]:
     """Return the function `check` of a lesson's check.py."""
-    check: Callable[[Attempt], None] = runpy.run_path(str(lesson.folder / "check.py"))["check"]
+    with LOADING:
+        check: Callable[[Checked], None] = runpy.run_path(str(lesson.folder / "check.py"))["check"]
     return check
 
 

@@ -107,6 +107,21 @@ class Unmet(Exception):
         """whether the program had ended by itself before"""
 
 
+class Checked:
+    """What each check has: figures to require, and why one that is not met may be no fault of the program."""
+
+    doubt: Phrase | None = None
+    """why a figure that is not met may be the fault of this computer; None: it was fast enough"""
+    cores: float = 0.0
+    """part of a core that the last observed program has used; 0 if the system does not tell"""
+
+    @staticmethod
+    def require(figure: str, met: bool, **values: object) -> None:  # noqa: FBT001 - reads as a sentence
+        """End the check with this figure of hints.toml unless it is met; `values` fill its sentences."""
+        if not met:
+            raise Unmet(figure, **values)
+
+
 class NotMeasurable(Exception):
     """The check cannot judge the program; `why` says why, and what to do."""
 

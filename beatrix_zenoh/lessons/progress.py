@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 from pathlib import Path
 
@@ -10,7 +11,7 @@ import msgspec
 from beatrix_zenoh import files
 from beatrix_zenoh.contract._generated.messages import LessonState
 from beatrix_zenoh.contract.errors import bad_value
-from beatrix_zenoh.lesson_files import ENGLISH, NOT_MEASURED
+from beatrix_zenoh.lesson_files import ENGLISH, NOT_MEASURED, Lesson
 
 FOLDER, FILE = "lessons", "progress.json"
 LONGEST = 256 * 1024
@@ -35,6 +36,18 @@ class Record(msgspec.Struct, forbid_unknown_fields=True):
     """figures at which checks have ended since the last pass"""
     passed: list[str] = []
     """what `sealed` returns for each program that has passed, the newest last"""
+
+    def next_hint(self, lesson: Lesson) -> int:
+        """Return the number of the hint to show: of the last figure, then one that was not shown; note that it is."""
+        wanted: list[int] = []
+        with contextlib.suppress(KeyError):  # a figure of an earlier version
+            wanted = [lesson.figure(self.figure).hint] if self.figure else []
+        order: list[int] = [
+            one for one in (*wanted, *range(1, len(lesson.hints) + 1)) if 0 < one <= len(lesson.hints)
+        ]
+        fresh = [one for one in order if one not in self.hints]
+        self.hints += fresh[:1]
+        return (fresh or order)[0]
 
     def state(self, *, measured: bool = True) -> LessonState:
         """Return what is reported to the teacher: numbers, and the name of a figure.

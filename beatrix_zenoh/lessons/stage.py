@@ -111,6 +111,19 @@ class RobotWatch:
         self._happened: list[Event] = []
         self._counts = True
 
+    def first(self, timeout_s: float) -> int:
+        """Forget what has been seen, and return the time of the next position (ns, clock of the robot).
+
+        Raises NoAnswer if none arrives within `timeout_s` (s).
+        """
+        self.begin()
+        return self._positions.next(timeout_s).t_mono_ns
+
+    def close(self) -> None:
+        """End the subscriptions; what has been seen stays."""
+        for subscription_ in (self._positions, self._status, self._events):
+            subscription_.close()
+
     def take(self) -> None:
         """Keep what has arrived since the last call."""
         if not self._counts:

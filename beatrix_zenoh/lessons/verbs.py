@@ -229,14 +229,9 @@ def hint(number: LatestNumber = None) -> None:
     workspace = _workspace()
     found, _ = _program(number, workspace)
     record = workspace.record(found.name)
-    wanted = []
-    with contextlib.suppress(KeyError):  # a figure of an earlier version
-        wanted = [found.figure(record.figure).hint] if record.figure else []
-    order = [one for one in (*wanted, *range(1, len(found.hints) + 1)) if 0 < one <= len(found.hints)]
-    fresh = [one for one in order if one not in record.hints]
-    chosen = (fresh or order)[0]
-    if fresh:
-        record.hints.append(chosen)
+    known = len(record.hints)
+    chosen = record.next_hint(found)
+    if len(record.hints) > known:
         workspace.save()
         lesson_reports.report(found.name, record.state())
     text = f"{LABELS[found.language][4]} {chosen}/{len(found.hints)}: {found.hints[chosen - 1]}"

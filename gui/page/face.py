@@ -30,6 +30,8 @@ from gui.console.state.state import State
 from gui.console.state.views import BannerView, ButtonView, ClassView, PillView, View
 from gui.console.state.world import LinkPhase, World, online
 from gui.console.texts import Texts, load
+from gui.page import lessons_face
+from gui.page.lessons_face import Lessons
 from gui.page.messages import DRIVING, OWN, OpenProgram, SaveProgram
 from gui.page.shelf import Desk
 
@@ -76,6 +78,7 @@ class Face:
         close: Callable[[], None],
         stop: Callable[[Face, SendStop], None],
         desk: Desk,
+        lessons: Lessons,
     ) -> None:
         """Begin to watch a robot.
 
@@ -86,9 +89,10 @@ class Face:
             close: closes the web socket of the page.
             stop: sends STOP for a page that does not drive.
             desk: the programs of its seat.
+            lessons: what its seat has reached in lessons.
         """
         self.robot, self._world = world.robot, world
-        self.visitor, self.close, self.desk = visitor, close, desk
+        self.visitor, self.close, self.desk, self.lessons = visitor, close, desk, lessons
         self.driver: Driver | None = None
         self.link: Link | None = None
         """the page's own link in a class, with the account of its seat, also while it only watches"""
@@ -130,6 +134,10 @@ class Face:
         """Give back the robots for which this page has asked."""
         for side in self.driver.asked if self.driver is not None else ():
             self.carry_out(AskLease(LeaseAction.GIVE_BACK, side))
+
+    def renew(self) -> None:
+        """Let the next view be sent soon."""
+        self._fresh = True
 
     def notify(self, key: str, **slots: str) -> None:
         """Show a sentence beside the button *Drive*; no key: none."""
@@ -221,6 +229,9 @@ class Face:
             "history": view.history[:HISTORY],
             "programs": self.desk.view,
             "opened": self.desk.opened,
+            "lessons": lessons_face.pages(texts.code),
+            "studied": self.lessons.states(texts.code),
+            "check": self.lessons.check_view,
             **{
                 name: getattr(view, name)
                 for name in (

@@ -259,6 +259,8 @@ HANDLES: Mapping[type, Callable[[Hub, Face, Never], None]] = {
     messages.Hidden: lambda _, face, __: face.stop_moving(),
     messages.ShowClass: lambda _, face, request: face.show_class(on=request.on),
     messages.SaveProgram: lambda _, face, request: face.use_programs(request),
+    messages.CheckProgram: lambda _, face, request: face.lessons.check(face, request),
+    messages.AskHint: lambda _, face, request: face.lessons.hint(face, request),
     messages.OpenProgram: lambda _, face, request: face.use_programs(request),
     actions.ChooseRobot: lambda hub, face, request: hub.watch(face, request.name),
 }

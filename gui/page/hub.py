@@ -31,6 +31,7 @@ from gui.console.link.stopping import send_stop
 from gui.console.state.actions import ChooseRobot, SendStop
 from gui.console.state.intents import Stop
 from gui.page.face import Driver, Face
+from gui.page.lessons_face import Lessons
 from gui.page.poses import Poses
 from gui.page.protection import Login
 from gui.page.shelf import Desk, Shelf
@@ -107,7 +108,8 @@ class Hub:
         """
         robot = next(iter(self.robots(visitor)), self.settings.robot)
         desk = Desk(self._shelf, visitor, teacher=visitor == names.TEACHER)
-        face = Face(self._link.world(robot), visitor, send, close, self._stop, desk)
+        lessons = Lessons(self._shelf.folder.parent / "progress" / visitor, self._call)
+        face = Face(self._link.world(robot), visitor, send, close, self._stop, desk, lessons)
         face.valid, face.shown = valid, self.login.shown(visitor)
         account = self.login.account(visitor)
         if account is not None:
@@ -202,6 +204,7 @@ class Hub:
         if driver is None:
             return
         driver.link.drop()
+        self._closing += face.lessons.threads
         if driver.link is face.link:
             face.give_back()
         else:

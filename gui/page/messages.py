@@ -81,6 +81,19 @@ class OpenProgram(Message, frozen=True, tag="open_program"):
     seat: str = ""
 
 
+class CheckProgram(Message, frozen=True, tag="check_program"):
+    """Run a program of blocks, and judge the run with the check of a lesson."""
+
+    lesson: Name
+    program: str
+
+
+class AskHint(Message, frozen=True, tag="hint"):
+    """Give the next hint of a lesson."""
+
+    lesson: Name
+
+
 OWN: Final = (
     intents.Choose
     | intents.AimHead
@@ -122,7 +135,18 @@ CHOICES: Final = ("language", "speed", "lead_s", "sim", "hw", "cameras", "live",
 LEASES: Final = (LeaseAction.TAKE, LeaseAction.WAIT, LeaseAction.GIVE_BACK)
 COMMANDS: Final = (Command.ENABLE, Command.CALIBRATE, Command.HOME, Command.RESET)
 OwnMessage = (
-    Open | Drive | Leave | Beat | Hidden | ViewReceived | ShowClass | StopRobot | SaveProgram | OpenProgram
+    Open
+    | Drive
+    | Leave
+    | Beat
+    | Hidden
+    | ViewReceived
+    | ShowClass
+    | StopRobot
+    | SaveProgram
+    | OpenProgram
+    | CheckProgram
+    | AskHint
 )
 Request = OwnMessage | intents.Intent
 _DECODER: Final = msgspec.json.Decoder(OwnMessage | OWN | DRIVING)

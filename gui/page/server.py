@@ -156,9 +156,9 @@ def application(context: Context) -> web.Application:
             ("/stop", Stopper),
             ("/live", Live),
             ("/pictures", Pictures),
-            ("/head.json", HeadMesh),
             (context.static.root + r"/([a-z0-9_./-]+)", StaticFiles),
             (r"/static/(vendor/[a-z0-9_./-]+)", StaticFiles),  # a path that outlives changes of the page
+            ("/head.json", HeadMesh),
         ],
         default_handler_class=Nothing,
         context=context,

@@ -8,14 +8,15 @@ import msgspec
 import pytest
 from lesson_checks import Wrong, checked, of_lesson, wrong_programs
 
-from beatrix_zenoh.lesson_files import LIBRARY, Lesson, names
+from beatrix_zenoh.lesson_files import LIBRARY, Lesson, lessons
 from beatrix_zenoh.lessons.stage import Stage
 
 pytestmark = pytest.mark.timeout(400)  # a check may take two minutes, and is tried twice
 
+NAMES = [lesson.name for lesson in lessons()]
 PROGRAMS = [
     of_lesson((lesson, wrong), lesson, f"{lesson}/{name}")
-    for lesson in names()
+    for lesson in NAMES
     for name, wrong in wrong_programs(lesson).items()
 ]
 ENDLESS_S = 5.0
@@ -26,7 +27,7 @@ def solution(lesson: Lesson) -> str:
     return (lesson.folder / "solution.py").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", NAMES)
 def test_wrong_programs_differ_from_their_solution(name: str) -> None:
     right = solution(Lesson(LIBRARY / name))
     programs = [wrong.program(right) for wrong in wrong_programs(name).values()]

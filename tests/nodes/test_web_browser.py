@@ -47,7 +47,7 @@ def browser(stage: Stage, serving_page: contextlib.ExitStack, tmp_path: Path) ->
     port = serving_page.enter_context(serving(stage.endpoint, pin=PIN))
     with Browser(tmp_path, (360, 640)) as made:
         made.open(f"http://127.0.0.1:{port}/")
-        made.run("document.querySelector('#pin').focus()")
+        made.run("document.querySelector('#typed').focus()")
         made.type(PIN)
         made.click("button")
         made.wait(lambda: "motors off" in made.text("#pills"), "the page")

@@ -218,7 +218,7 @@ function note(sentence) {
 function showRun({ run, end, block, text: result, at }) {
   page.bind(byId("block-run"), run, () => {
     if (!page.view.you.drives) scrollTo(0, 0); // to the button Drive
-    return { program: keep(true) };
+    return { program: keep(true), ...page.asLesson() };
   });
   page.bind(byId("block-end"), end);
   byId("block-run").disabled ||= !workspace;
@@ -267,6 +267,17 @@ export function showToolbox(wanted) {
   workspace?.updateToolbox(toolbox());
 }
 
+// Offers the blocks of a lesson, and opens its program, which has the lesson's name.
+export function openLesson(name, wanted) {
+  showToolbox(wanted);
+  if (open.name === name && !open.owner) return;
+  if (page.view.programs.names.includes(name)) {
+    if (workspace) keep();
+    send({ do: "open_program", seat: "", name });
+  } else if (workspace) keepAs(name, JSON.stringify(NEW));
+  else send({ do: "save_program", name, program: JSON.stringify(NEW), opens: true });
+}
+
 // -- buttons ------------------------------------------------------------------------------------------
 
 function saveFile() {
@@ -299,7 +310,7 @@ function copy() {
 export function connectBlocks(functions) {
   page = functions;
   onTab("drive", () => byId("head").prepend(byId("stage")));
-  onTab("blocks", () => { byId("block-stage").append(byId("stage")); start(); });
+  for (const tab of ["blocks", "lessons"]) onTab(tab, () => { byId("block-stage").append(byId("stage")); start(); });
   byId("block-programs").onchange = (event) => {
     const [seat, name] = JSON.parse(event.target.value);
     if (workspace) keep();

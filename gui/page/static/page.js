@@ -3,11 +3,12 @@ import { BLOCKS, connectBlocks } from "./blocks.js";
 import { connect, isOpen, send, sinceRequest, sinceSent, trouble } from "./connection.js";
 import { connectEyes, showEyes } from "./eyes.js";
 import { changed, connectHead, receivePose, seenFromFront } from "./head.js";
+import { LESSONS, asLesson, connectLessons } from "./lessons.js";
 import { connectTabs } from "./tabs.js";
 
 const BEAT_MS = 100; // period of the heartbeats of a page whose robots move, or may move after a message
 const REST_MS = 500; // period of the heartbeats of a page that drives or waits, and moves nothing
-const BEGIN_MS = 1000; // time after a message in which a motion begins
+const BEGIN_MS = 3000; // time after a message in which a motion begins
 const AIM_MS = 60; // shortest time between two targets
 const CONFIRM_MS = 5000;
 const SPEEDS = [10, 20, 30, 40, 60, 90]; // °/s
@@ -137,6 +138,7 @@ const SHOW = {
   stop: (button) => { byId("stop").title = button.tooltip; set(byId("stop"), button.text); },
   emergency: (button) => bind(byId("emergency"), button),
   ...BLOCKS,
+  ...LESSONS,
 };
 
 function receive(parts) {
@@ -478,7 +480,8 @@ document.addEventListener("visibilitychange", () => {
 });
 setInterval(beat, BEAT_MS);
 setInterval(showTrouble, 500);
-connectBlocks({ text, bind, view });
+connectBlocks({ text, bind, view, asLesson });
+connectLessons({ text, make, view });
 connectTabs();
 connectEyes(isOpen, () => showEyes(view));
 connectHead({ view, target, aim, grab, release: releaseHead, turned: showAround });

@@ -8,11 +8,11 @@ export function openTab(name) {
   for (const panel of document.querySelectorAll("[data-panel]")) panel.hidden = !panel.dataset.panel.split(" ").includes(chosen);
   document.body.dataset.tab = chosen;
   localStorage.setItem("tab", chosen);
-  opened[chosen]?.();
+  for (const run of opened[chosen] ?? []) run();
 }
 
 export function onTab(name, run) {
-  opened[name] = run;
+  (opened[name] ??= []).push(run);
 }
 
 export function connectTabs() {

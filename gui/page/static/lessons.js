@@ -1,0 +1,79 @@
+// Lessons: their text and hints beside the blocks that they need; running the blocks is the check.
+import { openLesson, showToolbox } from "./blocks.js";
+import { send } from "./connection.js";
+import { onTab } from "./tabs.js";
+
+const MARKS = { passed: "✓", tried: "○" };
+const KINDS = { heading: "h3", text: "p", item: "li", code: "pre" };
+
+const byId = (id) => document.getElementById(id);
+let page; // functions of the page: text, make; and its view
+let shown = ""; // lesson and language of the text that is shown
+let offered = ""; // the lesson whose blocks are offered
+
+const opens = () => document.body.dataset.tab === "lessons";
+const chosen = () => page.view.lessons.find((one) => one.name === localStorage.getItem("lesson")) ?? page.view.lessons[0];
+
+function show() {
+  const { view, text, make } = page;
+  if (!view.lessons || !view.studied) return;
+  const lesson = chosen(), { hints = [], more = 3 } = view.studied[lesson.name] ?? {};
+  const mark = ({ name }) => (view.studied[name]?.passed ? MARKS.passed : view.studied[name]?.tries ? MARKS.tried : " ");
+  byId("lesson-list").replaceChildren(...view.lessons.map((one) => new Option(`${mark(one)} ${one.title}`, one.name)));
+  byId("lesson-list").value = lesson.name;
+  byId("lesson-hints").replaceChildren(...hints.map((hint) => make("li", hint)));
+  byId("lesson-hint").disabled = more < 1;
+  byId("lesson-hint").textContent = text(more < 1 ? "page.lesson_no_hint" : "page.lesson_hint", { more });
+  if (shown === lesson.name + view.language) return;
+  shown = lesson.name + view.language;
+  const minutes = text("page.lesson_minutes", { minutes: lesson.minutes });
+  byId("lesson-text").replaceChildren(
+    make("h2", lesson.title), make("p", `${lesson.goal} (${minutes})`, "goal"),
+    ...lesson.text.map(({ kind, text: words }) => make(KINDS[kind], words)),
+  );
+}
+
+function showCheck({ lesson, checks, result, asked, found, means }) {
+  const { text, make } = page, box = byId("lesson-check");
+  box.hidden = !lesson;
+  if (!lesson) return;
+  const title = page.view.lessons.find((one) => one.name === lesson)?.title ?? "";
+  const line = (key, words) => { const row = make("p"); row.append(make("b", `${text(key)} `), words); return row; };
+  box.className = checks ? "" : result;
+  box.replaceChildren(make("strong", text(`page.lesson_${checks ? "checks" : result || "not_judged"}`, { title })));
+  if (asked) box.append(line("page.lesson_asked", asked), line("page.lesson_found", found));
+  if (means) box.append(make("p", means));
+  if (result) byId("blocks").classList.add("task"); // on a phone the sentence comes to the front
+}
+
+// Offers the blocks of the lesson in its tab, and all blocks in the other one; a lesson has a program of its own.
+function offer() {
+  const name = opens() && page.view.lessons ? chosen().name : "";
+  if (name === offered) return;
+  offered = name;
+  if (name) openLesson(name, chosen().blocks);
+  else showToolbox(null);
+}
+
+export const LESSONS = {
+  lessons: () => { show(); offer(); },
+  studied: show,
+  check: showCheck,
+};
+
+// What the button Run asks for besides its program.
+export const asLesson = () => (opens() && page.view.lessons ? { do: "check_program", lesson: chosen().name } : {});
+
+export function connectLessons(functions) {
+  page = functions;
+  onTab("lessons", () => { byId("blocks").classList.add("task"); show(); offer(); });
+  onTab("blocks", offer);
+  byId("lesson-list").onchange = (event) => {
+    localStorage.setItem("lesson", event.target.value);
+    byId("lesson-check").hidden = true;
+    show();
+    offer();
+  };
+  byId("lesson-hint").onclick = () => send({ do: "hint", lesson: chosen().name });
+  byId("lesson-task").onclick = () => { byId("blocks").classList.toggle("task"); dispatchEvent(new Event("resize")); };
+}
