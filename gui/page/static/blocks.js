@@ -109,6 +109,7 @@ async function start() {
     [loading, language] = [null, ""];
     return void note(text("not_loaded"));
   }
+  if (workspace) keep();
   inject();
 }
 
