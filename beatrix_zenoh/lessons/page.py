@@ -10,7 +10,7 @@ import msgspec
 
 from beatrix_zenoh.lesson_files import BlockLesson, block_lessons
 
-Kind = Literal["heading", "text", "item", "code"]
+Kind = Literal["heading", "text", "item"]
 EMPHASIS: Final = re.compile(r"\*\*|`|(?<!\w)\*(?=\w)|(?<=[\w.!?])\*(?!\w)")
 """Marks of Markdown inside a line; a page of blocks has no other ones."""
 ITEM: Final = re.compile(r"(?:\*|-|\d+\.) +(.*)")
@@ -29,7 +29,6 @@ class LessonPage(msgspec.Struct, frozen=True):
     name: str
     title: str
     goal: str
-    minutes: int
     blocks: tuple[str, ...]
     """types of its blocks"""
     text: tuple[Paragraph, ...]
@@ -42,33 +41,28 @@ def lesson_pages(language: str) -> tuple[LessonPage, ...]:
 
 
 def _page(lesson: BlockLesson) -> LessonPage:
-    about = lesson.about
     text = paragraphs(lesson.page.read_text(encoding="utf-8"))
-    return LessonPage(lesson.name, lesson.title, lesson.goal, about.minutes, tuple(about.blocks), text)
+    return LessonPage(lesson.name, lesson.title, lesson.goal, tuple(lesson.about.blocks), text)
+
+
+def plain(text: str) -> str:
+    """Return a text on one line and without marks of Markdown."""
+    return EMPHASIS.sub("", " ".join(text.split()))
 
 
 def paragraphs(markdown: str) -> tuple[Paragraph, ...]:
-    """Return the paragraphs of a text in Markdown below its title: headings, text, items of lists, and code."""
+    """Return the paragraphs of a text in Markdown below its title: headings, text, and items of lists."""
     found: list[tuple[Kind, list[str]]] = []
-    fenced = again = False
+    goes_on = False
     for line in markdown.splitlines():
-        fence, item = line.startswith("```"), ITEM.match(line)
-        if fence:
-            fenced = not fenced
-            found += [("code", [])] if fenced else []
-        elif fenced:
-            found[-1][1].append(line)
-        elif line.startswith("## "):
+        item = ITEM.match(line)
+        if line.startswith("## "):
             found.append(("heading", [line[3:]]))
         elif item:
             found.append(("item", [item[1]]))
-        elif line and not line.startswith("# "):
-            if again:
-                found[-1][1].append(line.strip())
-            else:
-                found.append(("text", [line]))
-        again = bool(line) and not fence and not line.startswith("#")
-    return tuple(
-        Paragraph(kind, "\n".join(lines) if kind == "code" else EMPHASIS.sub("", " ".join(lines)))
-        for kind, lines in found
-    )
+        elif goes_on:
+            found[-1][1].append(line)
+        elif line and not line.startswith("#"):
+            found.append(("text", [line]))
+        goes_on = bool(line) and not line.startswith("#")
+    return tuple(Paragraph(kind, plain(" ".join(lines))) for kind, lines in found)

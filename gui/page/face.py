@@ -320,7 +320,7 @@ def _governing(view: ClassView | None) -> dict[str, object] | None:
     return {
         "all": (view.freeze_all, view.unfreeze_all, view.limit),
         "rows": [(row.freeze, row.take, row.show) for row in view.rows],
-        "seats": [seat.mute for seat in view.seats],
+        "seats": [(seat.text, seat.mute) for seat in view.seats],
         "texts": (view.summary, view.limit_now, view.result),
     }
 

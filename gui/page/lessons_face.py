@@ -19,7 +19,7 @@ from beatrix_zenoh.lesson_files import BlockLesson, block_lessons
 from beatrix_zenoh.lessons import own_run
 from beatrix_zenoh.lessons.checking import Verdict
 from beatrix_zenoh.lessons.own_run import OwnRun
-from beatrix_zenoh.lessons.page import lesson_pages
+from beatrix_zenoh.lessons.page import lesson_pages, plain
 from beatrix_zenoh.lessons.progress import ProgressFile, Workspace
 from gui.console.link.block_run import BlockRun
 from gui.console.state.actions import EndBlocks
@@ -82,7 +82,7 @@ class Lessons:
         for lesson in _lessons(language).values():
             if record := self._progress.lessons.get(lesson.name):
                 given = tuple(
-                    lesson.hints[number - 1] for number in record.hints if number <= len(lesson.hints)
+                    plain(lesson.hints[number - 1]) for number in record.hints if number <= len(lesson.hints)
                 )
                 more = len(lesson.hints) - len(given)
                 found[lesson.name] = LessonState(bool(record.passed), record.tries, given, more)

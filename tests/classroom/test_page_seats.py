@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from functools import partial
 from typing import Any
@@ -9,10 +10,12 @@ from typing import Any
 import pytest
 from class_router import CLI, ClassRouter
 from robots import Process, until
+from tornado.websocket import WebSocketClosedError
 from web_client import WebClient, WebSocket, serving
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import class_words as words
+from gui.page.handlers import MALFORMED
 from gui.page.seats import WRONG_MAX, Seats
 
 
@@ -118,6 +121,79 @@ def test_only_the_teachers_page_governs(browsers: dict[str, WebClient], router: 
         ben.state(lambda view: view["pills"][0]["condition"] == "frozen", "the page says so")
         teacher.send("Govern", **{**freeze, "action": "unfreeze"})
         until(lambda: not robot.status().frozen, "and unfreezes")
+
+
+PROGRAM = json.dumps({
+    "blocks": {"blocks": [{"type": "start", "next": {"block": {"type": "home"}}}]}
+})  # fmt: skip
+TOO_LARGE = 1009
+"""With this code of the protocol Tornado closes a web socket after too large a message."""
+OTHERS: list[dict[str, Any]] = [
+    *(
+        {"do": "ChooseRobot", "name": name}
+        for name in ("ana", "teacher", "*", "**", "ana/sim", "bea2", "@router")
+    ),
+    *({"do": "drive", "name": name} for name in ("ana", "teacher")),
+    *(
+        {"do": "open_program", "name": "secret", "seat": seat}
+        for seat in ("ana", "../ana", "teacher", "ana/versions")
+    ),
+    *({"do": "open_program", "name": name} for name in ("../ana/secret", "/etc/passwd", "..", "secret.json")),
+    *(
+        {"do": "save_program", "name": name, "program": PROGRAM}
+        for name in ("../ana/secret", "../../words", "a/b", "..", "", "x" * 100, "C:secret", "secret\0")
+    ),
+    {"do": "save_program", "name": "huge", "program": "x" * 70_000},
+    {"do": "check_program", "lesson": "../../seats/ana", "program": PROGRAM},
+    {"do": "hint", "lesson": "../../seats/ana"},
+    {"do": "Govern", "row": -1, "action": "mute", "seat": "ana"},
+    {"do": "Govern", "row": -1, "action": "take", "places": [["ana", "sim"]]},
+    {"do": "LimitClass", "text": "1"},
+    {"do": "AskLease", "action": "take", "side": "sim"},
+    {"do": "RunBlocks", "program": "[" * 60_000},
+    {"do": "RunBlocks", "program": json.dumps({"blocks": {"blocks": [{"type": "start"}] * 10_000}})},
+]
+"""What a page of another seat may try at ana's head, programs, lessons and word."""
+
+
+def chose(speed: float, view: dict[str, Any]) -> bool:
+    return view["choices"]["speed"] == speed  # type: ignore[no-any-return]
+
+
+def test_no_message_of_another_page_reaches_a_seat(
+    browsers: dict[str, WebClient], router: ClassRouter
+) -> None:
+    ana = ready(browsers["ana"])
+    ana.send("save_program", name="secret", program=PROGRAM)
+    ana.state(lambda view: "secret" in view["programs"]["names"], "ana's program is kept")
+    before = {
+        path: path.read_bytes()
+        for path in router.folder.rglob("*")
+        if path.is_file() and "ben" not in str(path)
+    }
+    ben = ready(browsers["ben"])
+    seen = []
+    for number, message in enumerate(OTHERS):
+        ben.send(**message)
+        try:
+            ben.send("Choose", name="speed", value=10 + number)
+            view = ben.state(partial(chose, 10 + number), str(message)[:80])
+        except (AssertionError, WebSocketClosedError):
+            until(lambda page=ben: page.read() is None, "closed")  # type: ignore[misc]
+            assert ben.code in (MALFORMED, TOO_LARGE), message
+            ben = ready(browsers["ben"])
+        else:
+            seen.append((view["robot"], json.dumps(view["programs"])))
+    assert {robot for robot, _ in seen} == {"ben"}
+    assert not any('"seat": "ana"' in programs for _, programs in seen)
+    after = {
+        path: path.read_bytes()
+        for path in router.folder.rglob("*")
+        if path.is_file() and "ben" not in str(path)
+    }
+    assert after == before
+    with router.robot("ana", "sim", "teacher") as robot:
+        assert (robot.status().holder, robot.status().muted, robot.status().speed_limit) == ("ana", [], 0.0)
 
 
 def test_stop_of_a_page_has_its_seat(browsers: dict[str, WebClient], router: ClassRouter) -> None:

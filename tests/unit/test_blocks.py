@@ -60,7 +60,7 @@ ELSE = block("controls_if", IF0=block("logic_negate", BOOL=TRUE), DO0=[HOME], EL
         ([block("wait_stop")], [("wait", float("inf"))]),
         ([set_x(3), repeat(2, WAIT_X, block("math_change", variable("x"), DELTA=2))], [("wait", 3), ("wait", 5)]),
         ([WAIT_X], [("wait", 0)]),
-        ([block("wait", SECONDS=block("position", {"PART": "yaw"}))], [("positions",), ("wait", 7)]),
+        ([block("wait", SECONDS=block("position", {"PART": "yaw"}))], [("position", "yaw"), ("wait", 7)]),
         ([block("wait", SECONDS=arithmetic("POWER", 2, arithmetic("MINUS", 5, 2)))], [("wait", 8)]),
         ([block("wait", SECONDS=arithmetic("POWER", -2, 2))], [("wait", 4)]),
         ([block("controls_if", IF0=compare("GT", 5, 5), DO0=[HOME], ELSE=[WAIT_X])], [("wait", 0)]),

@@ -10,7 +10,7 @@ const NEAR_DEG = 0.35; // difference of two heads that are drawn as one
 const GLOW = 0.85; // share of a limit from which its border glows
 const AHEAD = 0.06; // length (m) of the line from the nose
 const EAR_PX = { mouse: 24, pen: 30, touch: 36 };
-const SLOW_MS = 40; // time from the request of a picture to its end after which the next ones wait, at most REST_MS
+const SLOW_MS = 24; // time from the request of a picture to its end after which the next ones wait, at most REST_MS
 const REST_MS = 250;
 const ORBIT_DEG = 0.5; // turn of the camera for a pixel
 

@@ -4,7 +4,7 @@ import { send } from "./connection.js";
 import { onTab } from "./tabs.js";
 
 const MARKS = { passed: "✓", tried: "○" };
-const KINDS = { heading: "h3", text: "p", item: "li", code: "pre" };
+const KINDS = { heading: "h3", text: "p", item: "li" };
 
 const byId = (id) => document.getElementById(id);
 let page; // functions of the page: text, make; and its view
@@ -26,11 +26,8 @@ function show() {
   byId("lesson-hint").textContent = text(more < 1 ? "page.lesson_no_hint" : "page.lesson_hint", { more });
   if (shown === lesson.name + view.language) return;
   shown = lesson.name + view.language;
-  const minutes = text("page.lesson_minutes", { minutes: lesson.minutes });
-  byId("lesson-text").replaceChildren(
-    make("h2", lesson.title), make("p", `${lesson.goal} (${minutes})`, "goal"),
-    ...lesson.text.map(({ kind, text: words }) => make(KINDS[kind], words)),
-  );
+  const paragraphs = lesson.text.map(({ kind, text: words }) => make(KINDS[kind], words));
+  byId("lesson-text").replaceChildren(make("p", lesson.goal, "goal"), ...paragraphs);
 }
 
 function showCheck({ lesson, checks, result, asked, found, means }) {
@@ -43,7 +40,9 @@ function showCheck({ lesson, checks, result, asked, found, means }) {
   box.replaceChildren(make("strong", text(`page.lesson_${checks ? "checks" : result || "not_judged"}`, { title })));
   if (asked) box.append(line("page.lesson_asked", asked), line("page.lesson_found", found));
   if (means) box.append(make("p", means));
-  if (result) byId("blocks").classList.add("task"); // on a phone the sentence comes to the front
+  if (!result) return;
+  byId("blocks").classList.add("task"); // on a phone the sentence comes to the front
+  byId("lesson").scrollTop = 0;
 }
 
 // Offers the blocks of the lesson in its tab, and all blocks in the other one; a lesson has a program of its own.
