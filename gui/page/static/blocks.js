@@ -312,6 +312,7 @@ export function connectBlocks(functions) {
   page = functions;
   onTab("drive", () => byId("head").prepend(byId("stage")));
   for (const tab of ["blocks", "lessons"]) onTab(tab, () => { byId("block-stage").append(byId("stage")); start(); });
+  onTab("blocks", () => send({ do: "open_program", name: "" })); // other pages have perhaps added programs
   byId("block-programs").onchange = (event) => {
     const [seat, name] = JSON.parse(event.target.value);
     if (workspace) keep();
