@@ -119,6 +119,11 @@ class Face:
         """Show or hide the table of all robots."""
         self.shows_class, self._fresh = on, True
 
+    @property
+    def link(self) -> Link | None:
+        """The link with which the page drives, or waits."""
+        return None if self.driver is None else self.driver.link
+
     def renew(self) -> None:
         """Let the next view be sent soon."""
         self._fresh = True
