@@ -38,6 +38,8 @@ class _Router(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """port of the router of robots and teacher"""
     pictures_hz: Annotated[float, Meta(ge=0.1, le=60)] = 5.0
     """largest rate of pictures for each seat"""
+    page: Annotated[int, Meta(ge=1, le=65535)] = 8088
+    """port of the control page for tablets"""
 
 
 class Classroom(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -83,6 +85,11 @@ class Classroom(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return ",".join(f"tls/{address}:{port}" for address in self.addresses)
 
     @property
+    def page(self) -> str:
+        """Address of the control page."""
+        return f"http://{self.addresses[0]}:{self.router.page}/"
+
+    @property
     def accounts(self) -> dict[str, Role]:
         """Role of each account by its name."""
         found: dict[str, Role] = {names.TEACHER: "teacher"}
@@ -105,6 +112,11 @@ def read(path: Path) -> Classroom:
     for endpoint in zbus.endpoints(made.listen_seats):
         zbus.parse_endpoint(endpoint)
     return made
+
+
+def folder(path: Path, classroom: Classroom) -> Path:
+    """Return the folder of the files of a class: beside its class file, under the name of the class."""
+    return path.parent / classroom.name
 
 
 def _check_names(path: Path, file: Classroom) -> None:

@@ -75,7 +75,7 @@ class Page:
         page = await fetch()
         if word:
             token = re.findall(r'name="_xsrf" value="([^"]+)"', page)[0]
-            await fetch(f"_xsrf={token}&word={word}")
+            await fetch(f"_xsrf={token}&typed={word}")
         await fetch()
         headers = {
             "Cookie": "; ".join(f"{name}={value}" for name, value in cookies.items()),

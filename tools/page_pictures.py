@@ -6,6 +6,7 @@ Usage: .venv/bin/python tools/page_pictures.py [DIR]
 from __future__ import annotations
 
 import json
+import os
 import sys
 import time
 from collections.abc import Iterator
@@ -82,6 +83,31 @@ def laptop(page: Browser, file: Path) -> None:
     page.wait(lambda: page.text("#pills").count("ready") == 2, "both have arrived")
 
 
+def turn(degrees: float, below: object = None) -> dict[str, object]:
+    """Return a block that turns the head, and the blocks below it, as Blockly saves them."""
+    angle = {"shadow": {"type": "math_number", "fields": {"NUM": degrees}}}
+    under = {} if below is None else {"next": {"block": below}}
+    return {"type": "turn", "inputs": {"ANGLE": angle}, **under}
+
+
+def blocks(page: Browser, file: Path) -> None:
+    """Run a program of blocks on the simulation, and draw its second turn."""
+    page.click("#hw")
+    page.click("#tabs [data-tab=blocks]")
+    page.wait(lambda: bool(page.run("Boolean(document.querySelector('.blocklyToolbox'))")), "the editor")
+    times = {"shadow": {"type": "math_number", "fields": {"NUM": 3}}}
+    row = {"block": turn(-40, turn(40, {"type": "gesture", "fields": {"NAME": "curious"}}))}
+    repeat = {"type": "controls_repeat_ext", "inputs": {"TIMES": times, "DO": row}}
+    program = {"blocks": {"blocks": [{"type": "start", "x": 24, "y": 24, "next": {"block": repeat}}]}}
+    page.run(f"Blockly.serialization.workspaces.load({json.dumps(program)}, Blockly.getMainWorkspace())")
+    page.click("#block-run")
+    second = ".turn .turn.blocklyHighlighted"
+    page.wait(lambda: page.run(f"Boolean(document.querySelector('{second}'))"), "the second turn")
+    page.picture(file)
+    page.click("#stop")
+    page.click("#tabs [data-tab=drive]")
+
+
 def phone(page: Browser, file: Path) -> None:
     """Ask for a motion beyond the limits in German, and draw the refusal."""
     choose(page, "#language", "de")
@@ -97,17 +123,21 @@ def phone(page: Browser, file: Path) -> None:
 
 
 def main() -> None:
-    """Start robots, server and browser, and draw both pictures."""
+    """Start robots, and draw the pictures."""
     folder = Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs/images"
-    with (
-        robots() as endpoint,
-        serving(endpoint) as port,
-        TemporaryDirectory() as profile,
-        Browser(Path(profile), LAPTOP) as page,
-    ):
+    with TemporaryDirectory() as own, robots() as endpoint:
+        os.environ["XDG_CONFIG_HOME"] = own  # where the page keeps programs of blocks
+        draw(endpoint, Path(own), folder)
+
+
+def draw(endpoint: str, profile: Path, folder: Path) -> None:
+    """Start server and browser, and draw the pictures."""
+    with serving(endpoint) as port, Browser(profile, LAPTOP) as page:
+        page.pretend_graphics_chip()
         page.open(f"http://127.0.0.1:{port}/")
         page.wait(lambda: "motors off" in page.text("#pills"), "the page")
         laptop(page, folder / "web-page.png")
+        blocks(page, folder / "web-page-blocks.png")
         phone(page, folder / "web-page-phone.png")
 
 

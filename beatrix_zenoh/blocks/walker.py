@@ -9,8 +9,8 @@ from typing import Final, Protocol
 
 from beatrix_zenoh.blocks.program import AXES, LARGEST, Block, Program, too_large, wrong
 
-PAUSE_S: Final = 0.01
-"""Time (s) after each round of a loop, so that a loop without motions needs little processor time."""
+PAUSE_S: Final = 0.02
+"""Time (s) after each round of a loop, for the processor; robots publish no more positions."""
 CALCULATE: Final[Mapping[str, Callable[[float, float], object]]] = {
     "ADD": operator.add,
     "MINUS": operator.sub,

@@ -13,14 +13,17 @@ from typing import NamedTuple
 import msgspec
 import segno
 
-from beatrix_zenoh import account, files
+from beatrix_zenoh import account, class_words, files
 from beatrix_zenoh.account import Account, Role
 from beatrix_zenoh.bus.credentials import Identity
 from beatrix_zenoh.class_file import Classroom
+from beatrix_zenoh.class_words import Words
 from beatrix_zenoh.classroom import certificates
 from beatrix_zenoh.classroom.router_file import ROUTER, RouterFile, load
 from beatrix_zenoh.contract.errors import WrongUsage, bad_value, wrong_usage
+from beatrix_zenoh.contract.names import TEACHER
 
+SHEET = "words.html"
 AUTHORITY = "router-authority.pem"
 """File of the authority that signs the certificates of the router. In earlier versions one in `authority.pem` also signed
 accounts, which no router may accept any more."""
@@ -33,6 +36,11 @@ class Made(NamedTuple):
     """accounts that are new or whose file has changed, so that it must be handed out"""
     left: list[Path]
     """files of accounts that the class no longer has"""
+
+
+def write_sheet(classroom: Classroom, folder: Path) -> None:
+    """Write the sheet with the word of each seat for the control page; raises OSError."""
+    files.write_private(folder / SHEET, sheet(classroom, class_words.update(folder, classroom.seats)))
 
 
 def folder_of(role: str) -> str:
@@ -62,6 +70,7 @@ def init(classroom: Classroom, folder: Path) -> Made:
         router = signer.router(classroom, folder / "router.toml", accounts)
         files.write_private(folder / "router.toml", router.text())
         files.write_private(folder / "cards.html", cards(classroom, accounts))
+        write_sheet(classroom, folder)
         files.write_private(folder / "connections.nft", connections(classroom))
     except OSError as error:
         raise bad_value(f"Cannot write the files of the class: {error}.") from error
@@ -162,6 +171,8 @@ PAGE = """<!doctype html>
 body {{ font: 11pt sans-serif; margin: 0; }}
 article {{ display: inline-block; width: 8.6cm; height: 12.6cm; margin: 0.2cm; padding: 0.4cm; border: 1px dashed #888;
   box-sizing: border-box; break-inside: avoid; vertical-align: top; overflow: hidden; }}
+article.slip {{ width: 5.6cm; height: 6.6cm; text-align: center; }}
+.slip h1 {{ font-size: 13pt; }} .slip svg {{ width: 3.4cm; height: 3.4cm; }} .slip code {{ font-size: 15pt; }}
 section + section {{ break-before: page; }}
 h1 {{ font-size: 18pt; margin: 0; }} p {{ margin: 0.15cm 0; }} svg {{ width: 7.4cm; height: 7.4cm; }}
 </style></head><body>
@@ -191,6 +202,29 @@ def cards(classroom: Classroom, accounts: list[Account]) -> str:
     )
 
 
+SLIP = """<article class="slip"><h1>{title}</h1><p>{page}</p>{code}<p>Word: <code>{word}</code></p></article>
+"""
+
+
+def sheet(classroom: Classroom, made: Words) -> str:
+    """Return an HTML page with the address of the control page and the word of each seat; the teacher's on the last sheet."""
+    seats = [[*classroom.seats], [TEACHER]]
+    return PAGE.format(
+        title=html.escape(f"BEATRIX, class {classroom.name}: words for the page"),
+        cards="".join(
+            f"<section>{''.join(_slip(classroom, seat, made.words[seat]) for seat in group)}</section>\n"
+            for group in seats
+        ),
+    )
+
+
+def _slip(classroom: Classroom, seat: str, word: str) -> str:
+    title = classroom.display_names.get(seat) or seat
+    # After `#`, where no server and no log sees it.
+    code = _code(f"{classroom.page}#{word}")
+    return SLIP.format(title=html.escape(title), page=html.escape(classroom.page), code=code, word=word)
+
+
 def _card(account: Account, title: str, teacher: str) -> str:
     fields = {
         "title": title,
@@ -215,3 +249,10 @@ def _code(text: str) -> str:
     code = segno.make(text, error="l", micro=False, mask=0)
     code.save(drawn, kind="svg", xmldecl=False, svgns=True, omitsize=True, border=2)
     return drawn.getvalue().decode()
+
+
+def terminal_code(text: str) -> str:
+    """Return a QR code for a terminal."""
+    drawn = io.StringIO()
+    segno.make(text, micro=False).terminal(drawn, compact=True)
+    return drawn.getvalue()

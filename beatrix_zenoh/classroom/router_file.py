@@ -19,7 +19,7 @@ from beatrix_zenoh import files
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.bus.credentials import Identity
 from beatrix_zenoh.bus.router import EVERYTHING, ROOT, Grant, RouterAccess, below
-from beatrix_zenoh.class_file import Classroom, read
+from beatrix_zenoh.class_file import folder, read
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract.errors import wrong_usage
@@ -111,11 +111,6 @@ class RouterFile(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
             seats=tuple(seat for seat in self.seats if seat not in gone),
             robots=tuple(robot for robot in self.robots if robot not in gone),
         )
-
-
-def folder(path: Path, classroom: Classroom) -> Path:
-    """Return the folder of the files of a class: beside its class file, under the name of the class."""
-    return path.parent / classroom.name
 
 
 def load(path: Path) -> RouterFile:

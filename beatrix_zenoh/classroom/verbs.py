@@ -13,6 +13,7 @@ import typer
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh.account import Account
+from beatrix_zenoh.class_file import Classroom
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, bad_value
 from beatrix_zenoh.output import exit_code, note, say, typed
@@ -25,11 +26,18 @@ class ClassroomAction(StrEnum):
     """Actions of `beatrix classroom`."""
 
     INIT = "init"
+    NEW_WORD = "new-word"
 
 
 def classroom(
-    action: Annotated[ClassroomAction, typer.Argument(help="init: make the accounts that are missing.")],  # noqa: ARG001
+    action: Annotated[
+        ClassroomAction,
+        typer.Argument(
+            help="init: make the accounts that are missing; new-word: replace the word of a seat."
+        ),
+    ],
     file: Annotated[Path, typer.Argument(metavar="class.toml", help="The class file.")],
+    seat: Annotated[str | None, typer.Argument(metavar="SEAT", help="For new-word: the seat.")] = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -41,27 +49,42 @@ def classroom(
     """Make the accounts of a class. Writes a file for the router, each seat and each robot, and cards to print.
 
     All files are for the teacher only, who gives each seat and robot its own file. A repeated run keeps existing
-    accounts and adds those of new seats and robots.
+    accounts and adds those of new seats and robots. `new-word` replaces a word that others know: pages that have
+    logged in with the old one end at once.
     """
-    from beatrix_zenoh import class_file
+    from beatrix_zenoh import class_file, class_words
 
     try:
-        from beatrix_zenoh.classroom import provision, router_file
+        from beatrix_zenoh.classroom import provision
     except ModuleNotFoundError as error:
         raise missing("classroom", error) from error
 
     described = class_file.read(file)
-    folder = out or router_file.folder(file, described)
+    folder = out or class_file.folder(file, described)
+    if action is ClassroomAction.NEW_WORD:
+        if seat is None:
+            raise typer.BadParameter("Name the seat: beatrix classroom new-word class.toml ana")
+        word = class_words.renew(folder, seat).words[seat]
+        provision.write_sheet(described, folder)
+        say(f"The word of {seat} is now {word}. The sheet is {folder / provision.SHEET}")
+        return
+    _init(file, described, folder, named=out is not None)
+
+
+def _init(file: Path, described: Classroom, folder: Path, *, named: bool) -> None:
+    """Make the accounts that are missing, and print what to do next; `named`: the user has chosen the folder."""
+    from beatrix_zenoh.classroom import provision
+
     made = provision.init(described, folder)
     seats, robots = _counted(described.seats, "seat"), _counted(described.robots, "robot")
     say(f"Class {described.name}: {seats}, {robots}, in {folder}")
     say(f"  new or changed     {', '.join(made.changed) or 'none'}")
-    router = typed("beatrix", "router", "--class", file if out is None else folder / "router.toml")
+    router = typed("beatrix", "router", "--class", folder / "router.toml" if named else file)
     say(f"  start router       {router}   (one that runs restarts by itself)")
     say(
         f"  to each of these   copy its file from {folder / 'seats'} or {folder / 'robots'}; run there: beatrix join FILE"
     )
-    say(f"  cards to print     {folder / 'cards.html'}")
+    say(f"  cards to print     {folder / 'cards.html'}; words for tablets: {folder / provision.SHEET}")
     for path in made.left:
         note(
             f"{path}: the class has no such seat or robot, so the router refuses this account. You can delete the file."

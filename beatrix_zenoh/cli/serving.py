@@ -125,31 +125,39 @@ def run(process: str, arguments: list[str]) -> int:
     return code
 
 
+Port = Annotated[
+    str | None,
+    typer.Option(
+        metavar="PORT", help="Also serve the robot on this serial port, or a virtual board: `virtual:`."
+    ),
+]
+Movement = Annotated[
+    str | None,
+    typer.Option(
+        metavar="MOVEMENT",
+        help="Movement of the person in front of the simulated eyes: still, sway or circle.",
+    ),
+]
 TITLES = {"gui": "window", **SIDE_TITLES}
 """The titles of the programs that `up` starts, by their verbs."""
 
 
 def up(
-    hw: Annotated[
-        str | None,
-        typer.Option(
-            metavar="PORT", help="Also serve the robot on this serial port, or a virtual board: `virtual:`."
-        ),
-    ] = None,
+    hw: Port = None,
     no_sim: Annotated[bool, typer.Option("--no-sim", help="Start no simulation.")] = False,
     ready: Annotated[
         bool, typer.Option("--ready", help="Start the simulation with motors on and calibrated.")
     ] = False,
-    target: Annotated[
-        str | None,
-        typer.Option(
-            metavar="MOVEMENT",
-            help="Movement of the person in front of the simulated eyes: still, sway or circle.",
-        ),
-    ] = None,
+    target: Movement = None,
     gui: Annotated[
         bool, typer.Option("--gui", help="Also open the window. Closing it does not end the robots.")
     ] = False,
+    of_class: Annotated[
+        Path | None,
+        typer.Option(
+            "--class", metavar="FILE", help="Start router, simulations and page of this class file."
+        ),
+    ] = None,
     legacy: Legacy = None,
     robot_file: RobotFile = None,
     log_file: LogFile = None,
@@ -162,20 +170,35 @@ def up(
     programs of 2023 drive the robot, or the simulation if there is no robot. With --log-file day.log, the simulation
     writes day-sim.log, and the robot day-hw.log. A simulation or robot that crashes is started again, once a minute at
     most; the others continue. Ctrl-C, or the end of the router, ends all processes that were started.
+    With --class, --hw serves the first robot of the class.
     """
+    if of_class is not None:
+        up_class(of_class, hw, (no_sim, ready, target, gui, legacy, robot_file, log_file, name, connect))
+        return
     settings = resolve(name, connect)
     if no_sim and (ready or hw is None):
         raise typer.BadParameter(
             "With --no-sim give --hw PORT; type enable and calibrate within sight of the robot."
         )
     load(robot_file)  # raises before any process starts
-    options = {"sim": ["--ready"] * ready + given("--target", target), "hw": given("--port", hw)}
-    sides = [side for side, there in (("sim", not no_sim), ("hw", hw is not None)) if there]
+    options = {} if no_sim else {"sim": ["--ready"] * ready + given("--target", target)}
+    options |= {} if hw is None else {"hw": given("--port", hw)}
     programs: dict[str, list[str]] = {"gui": []} if gui else {}
-    for side in sides:
-        programs[side] = options[side] + given("--robot-file", robot_file) + log_words(log_file, side)
-    programs[sides[-1]] += given("--legacy", legacy)
+    for side, words in options.items():
+        programs[side] = words + given("--robot-file", robot_file) + log_words(log_file, side)
+    programs[[*programs][-1]] += given("--legacy", legacy)
     run_programs(settings, programs, legacy)
+
+
+def up_class(file: Path, hw: str | None, others: Sequence[object]) -> None:
+    """Start a whole class; `others` are the options that must not be given with it."""
+    if any(others):
+        raise typer.BadParameter("With --class give only --hw: names and router are those of the class.")
+    try:
+        from beatrix_zenoh.classroom import up as whole_class
+    except ModuleNotFoundError as error:
+        raise missing("classroom", error) from error
+    whole_class.run(file, hw)
 
 
 def run_programs(settings: Settings, programs: Mapping[str, Sequence[str]], legacy: Path | None) -> None:

@@ -13,6 +13,7 @@ import sched
 import threading
 import time
 from collections.abc import Callable, Collection
+from dataclasses import replace
 from typing import Self, TypeVar
 from weakref import WeakValueDictionary
 
@@ -118,6 +119,12 @@ class Client(ProcessBound, Closable):
                 settings = self.settings
                 self._media = zbus.connect(settings.connect, label=settings.who, account=settings.account)
             return self._media
+
+    def under(self, seat: str) -> Client:
+        """Return this session under another seat, as only the teacher's account may use it; close only this one."""
+        other = object.__new__(Client)
+        other.__dict__ |= vars(self) | {"settings": replace(self.settings, who=seat)}
+        return other
 
     def _on_router(self, there: bool) -> None:  # noqa: FBT001
         self.losses += not there

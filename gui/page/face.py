@@ -27,7 +27,7 @@ from gui.console.state.arms import HoldArm
 from gui.console.state.intents import Intent, Tab
 from gui.console.state.saved import Saved
 from gui.console.state.state import State
-from gui.console.state.views import BannerView, ButtonView, PillView, View
+from gui.console.state.views import BannerView, ButtonView, ClassView, PillView, View
 from gui.console.state.world import LinkPhase, World, online
 from gui.console.texts import Texts, load
 from gui.page import lessons_face
@@ -94,6 +94,12 @@ class Face:
         self.robot, self._world = world.robot, world
         self.visitor, self.close, self.desk, self.lessons = visitor, close, desk, lessons
         self.driver: Driver | None = None
+        self.link: Link | None = None
+        """the page's own link in a class, with the account of its seat, also while it only watches"""
+        self.shown = ""
+        """the name of the pupil in a class"""
+        self.valid: Callable[[], object] = lambda: True
+        """returns a false value when the browser has to log in again"""
         self.shows_class = False
         self.state = State()
         self._send, self._stop = send, stop
@@ -120,9 +126,14 @@ class Face:
         self.shows_class, self._fresh = on, True
 
     @property
-    def link(self) -> Link | None:
-        """The link with which the page drives, or waits."""
-        return None if self.driver is None else self.driver.link
+    def own_link(self) -> Link | None:
+        """The link that knows the robots of this page; None: it only watches those of the link that all share."""
+        return self.link if self.driver is None else self.driver.link
+
+    def give_back(self) -> None:
+        """Give back the robots for which this page has asked."""
+        for side in self.driver.asked if self.driver is not None else ():
+            self.carry_out(AskLease(LeaseAction.GIVE_BACK, side))
 
     def renew(self) -> None:
         """Let the next view be sent soon."""
@@ -198,6 +209,7 @@ class Face:
                 "seat": "" if driver is None else driver.seat,
                 "drives": driver is not None,
                 "moves": self._busy,
+                "name": self.shown,
                 "text": self._role(world, texts),
                 "notice": texts(key, **slots) if key else "",
             },
@@ -207,6 +219,7 @@ class Face:
             "texts": _texts_of_page(texts.code),
             "eyes": self._eyes(view, world),
             "class": [{"cells": row.cells, "condition": row.condition} for row in rows],
+            "govern": _governing(view.class_page) if self.shows_class else None,
             "empty": class_page.empty(world, texts) if self.shows_class else None,
             "banner": _banner(view, world),
             "pills": [_pill(pill) for pill in view.pills],
@@ -232,11 +245,11 @@ class Face:
         """Return whether the page watches, waits or drives, in a sentence."""
         if self.driver is None:
             return texts("page.watch")
-        seat = self.driver.seat
+        seat, shown = self.driver.seat, self.shown or self.driver.seat
         statuses = [status for side in SIDES if (status := world.side(side).status) is not None]
         waits = any(seat in status.waiting for status in statuses)
         drives = any(status.lease and status.holder == seat for status in statuses)
-        return texts("page.waits" if waits and not drives else "page.you", seat=seat)
+        return texts("page.waits" if waits and not drives else "page.you", seat=shown)
 
     def _eyes(self, view: View, world: World) -> dict[str, object]:
         """Return the robot whose pictures the page shows, and why there are none."""
@@ -262,14 +275,13 @@ class Face:
             self._do(action)
 
     def _do(self, action: Action) -> None:
-        if self.driver is not None:
-            self.driver.link.do(action)
-            if isinstance(action, Hold) and action.row != self.driver.held_row:  # a new press, no heartbeat
-                self.driver.held_row = action.row
-                self.notify("")
-        if isinstance(action, SendStop) and (
-            self.driver is None or self._world.phase is not LinkPhase.ONLINE
-        ):
+        link = self.own_link
+        if link is not None:
+            link.do(action)
+        if isinstance(action, Hold) and self.driver is not None and action.row != self.driver.held_row:
+            self.driver.held_row = action.row  # a new press, no heartbeat
+            self.notify("")
+        if isinstance(action, SendStop) and (link is None or self._world.phase is not LinkPhase.ONLINE):
             self._stop(self, action)
 
     def use_programs(self, request: SaveProgram | OpenProgram) -> None:
@@ -299,6 +311,18 @@ def _texts_of_page(code: str) -> msgspec.Raw:
     return msgspec.Raw(
         ENCODER.encode({name: text for name, text in texts.items() if name.startswith(TEXT_KEYS)})
     )
+
+
+def _governing(view: ClassView | None) -> dict[str, object] | None:
+    """Return the buttons and sentences with which the teacher's page governs the class; None for other pages."""
+    if view is None:
+        return None
+    return {
+        "all": (view.freeze_all, view.unfreeze_all, view.limit),
+        "rows": [(row.freeze, row.take, row.show) for row in view.rows],
+        "seats": [(seat.text, seat.mute) for seat in view.seats],
+        "texts": (view.summary, view.limit_now, view.result),
+    }
 
 
 def _offered(button: ButtonView | None) -> ButtonView | None:

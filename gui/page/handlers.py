@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-import itertools
 import time
 from collections.abc import Callable, Mapping
+from functools import partial
 from typing import Final, Never
 
 import msgspec
@@ -24,6 +24,8 @@ from gui.page.static_files import StaticFolder
 MESSAGES_MAX: Final = 200
 """Largest number of messages of a page in a second; a page normally sends twenty."""
 NOTHING: Final = "This server has no such page. The control page is at /."
+COOKIE_DAYS: Final = 200
+"""How long a browser keeps the seat of a class."""
 TOO_FAST, MALFORMED = 4001, 4002
 """Codes with which the server closes a web socket; the page reads them."""
 
@@ -33,11 +35,12 @@ class Context:
 
     def __init__(self, hub: Hub, login: Login, cookie: str, static: StaticFolder) -> None:
         self.hub, self.login, self.cookie, self.static = hub, login, cookie, static
-        self.guests = itertools.count(1)
 
 
 class Guarded(web.RequestHandler):
     """A handler that refuses requests with a foreign Host or Origin header."""
+
+    styles = protection.OWN_STYLES
 
     @property
     def context(self) -> Context:
@@ -51,11 +54,11 @@ class Guarded(web.RequestHandler):
         connection = self.request.connection
         local: tuple[str, int] = connection.stream.socket.getsockname()  # type: ignore[union-attr]
         host = self.request.headers.get("Host", "")
-        return host if protection.host_allowed(host, *local) else ""
+        return host if protection.host_allowed(host, *local, self.context.login.addresses) else ""
 
     def set_default_headers(self) -> None:
         """Set the headers of every reply, errors included."""
-        for name, value in protection.headers(self.host).items():
+        for name, value in protection.headers(self.host, self.styles).items():
             self.set_header(name, value)
 
     def prepare(self) -> None:
@@ -83,13 +86,18 @@ class Guarded(web.RequestHandler):
     @property
     def visitor(self) -> str | None:
         """The name of the browser, if it is logged in; the page proposes it for the seat."""
-        name = self.get_signed_cookie(self.context.cookie)
-        return None if name is None else name.decode()
+        return self.context.login.visitor(self.ticket)
 
-    def admit(self) -> None:
+    @property
+    def ticket(self) -> str:
+        """The cookie of a browser that is, or was, logged in; empty without one."""
+        return (self.get_signed_cookie(self.context.cookie, max_age_days=COOKIE_DAYS) or b"").decode()
+
+    def admit(self, ticket: str) -> None:
         """Log in this browser."""
-        name = f"guest-{next(self.context.guests)}"
-        self.set_signed_cookie(self.context.cookie, name, None, httponly=True, samesite="Strict")
+        days = COOKIE_DAYS if self.context.login.kind == "word" else None  # else until the browser is closed
+        self.set_signed_cookie(self.context.cookie, ticket, days, httponly=True, samesite="Strict")
+        self.redirect(self.request.path, status=303)
 
 
 class Nothing(Guarded):
@@ -122,46 +130,43 @@ class Front(Guarded):
     """The control page, or the form for the PIN."""
 
     template = "page.html"
-
-    def set_default_headers(self) -> None:
-        """Set the headers, with the styles of the blocks."""
-        for name, value in protection.headers(self.host, protection.BLOCK_STYLES).items():
-            self.set_header(name, value)
+    styles = protection.BLOCK_STYLES
 
     def get(self) -> None:
-        """Show the page to a browser that is logged in; otherwise show the form, or log in if no PIN is needed."""
+        """Show the page to a browser that is logged in; otherwise show the form, or log in if nothing is needed."""
         if self.visitor is not None:
             self.render(self.template, token=self.xsrf_token.decode(), name=self.visitor)
-        elif self.context.login.needed:
-            self.form("")
+        elif self.context.login.kind:
+            self.form()
         elif self.request.headers.get("Sec-Fetch-Dest", "document") != "document":
             self.reject(403, protection.FOREIGN_ORIGIN)
         else:
-            self.admit()
-            self.redirect(self.request.path, status=303)
+            self.admit(self.context.login.enter("", "", time.monotonic()).ticket)
 
     def post(self) -> None:
-        """Check a PIN; log in the browser if it is right."""
-        typed = self.get_body_argument("pin", "")
-        refusal = self.context.login.refusal(typed, self.request.remote_ip or "", time.monotonic())
-        if refusal:
-            self.set_status(403)
-            self.form(refusal)
+        """Check a PIN or word; log in the browser if it is right."""
+        typed = self.get_body_argument("typed", "")
+        entry = self.context.login.enter(typed, self.request.remote_ip or "", time.monotonic())
+        if entry.ticket:
+            self.admit(entry.ticket)
         else:
-            self.admit()
-            self.redirect(self.request.path, status=303)
+            self.set_status(403)
+            self.form(entry.refusal, entry.wait_s)
 
-    def form(self, refusal: str) -> None:
-        """Show the form, with the reason why the last PIN was refused; empty: no PIN was typed."""
+    def form(self, refusal: str = "", wait_s: float = 0.0) -> None:
+        """Show the form, with the text of the key `refusal`, if what was typed was refused."""
         wanted = self.request.headers.get("Accept-Language", "")[:2]
         language = wanted if wanted in LANGUAGES else DEFAULT_LANGUAGE
-        self.render("login.html", refusal=refusal, language=language, text=Texts(language))
+        kind, text = self.context.login.kind, Texts(language)
+        sentence = text(refusal, seconds=wait_s) if refusal else ""
+        self.render("login.html", refusal=sentence, language=language, text=text, kind=kind)
 
 
 class Projector(Front):
     """The page that a projector shows to the class; it only reads."""
 
     template = "class.html"
+    styles = protection.OWN_STYLES
 
 
 class Stopper(Guarded):
@@ -210,14 +215,14 @@ class Live(Socket):
         self._count = 0
         self._second = time.monotonic()
         self.set_nodelay(True)
-        self.face = self.hub.new_page(visitor, lambda view: self.send(view.decode()), self.close)
+        valid = partial(self.context.login.visitor, self.ticket)
+        self.face = self.hub.new_page(visitor, lambda view: self.send(view.decode()), self.close, valid)
         self.hub.poses.start(self.face, lambda pose: self.send(pose, binary=True))
 
     def on_close(self) -> None:
         """Remove the page and end its driver, which stops the robot."""
         self.hub.poses.end(self.face)
-        self.hub.pages.discard(self.face)
-        self.hub.end_driver(self.face)
+        self.hub.remove(self.face)
 
     def on_message(self, message: str | bytes) -> None:
         """Carry out a request; close the web socket after an invalid message or too many messages."""
@@ -271,7 +276,7 @@ class Pictures(Socket):
         self._ready = [True, True]
         self._newest: list[CameraImage | None] = [None, None]
         """the picture of each eye that was not sent yet"""
-        self._cameras = self.context.hub.start_pictures(self, place, self.changed)
+        self._cameras = self.context.hub.start_pictures(self, self.visitor or "", place, self.changed)
         if self._cameras:
             self.set_nodelay(True)
         else:

@@ -28,11 +28,12 @@ from gui.console.link.governing import robots_online
 from gui.console.link.jobs import Jobs
 from gui.console.link.pictures import CameraStream, Watcher
 from gui.console.link.stopping import send_stop
-from gui.console.state.actions import SendStop
+from gui.console.state.actions import ChooseRobot, SendStop
 from gui.console.state.intents import Stop
 from gui.page.face import Driver, Face
 from gui.page.lessons_face import Lessons
 from gui.page.poses import Poses
+from gui.page.protection import Login
 from gui.page.shelf import Desk, Shelf
 
 DEAD_MAN_S: Final = 0.4
@@ -51,12 +52,12 @@ OnPicture = Callable[[Camera, CameraImage], None]
 class Hub:
     """Gives pages the states of robots, and links with which they drive."""
 
-    def __init__(self, settings: Settings, only: str | None, call: Callable[..., None], shelf: Shelf) -> None:
+    def __init__(self, settings: Settings, login: Login, call: Callable[..., None], shelf: Shelf) -> None:
         """Begin to watch the robots.
 
         Args:
-            settings: router and seat.
-            only: name of the only robot that pages may use; None: all robots at the router.
+            settings: router and seat of the server.
+            login: the browsers, their robots and accounts.
             call: runs a function with its arguments on the server's loop; any thread may use it.
             shelf: the programs of all seats.
 
@@ -64,7 +65,7 @@ class Hub:
             NoAnswer: NO_ROUTER.
         """
         Client(settings, announce=False).close()  # to find out whether a router answers
-        self.settings, self._only, self._call, self._shelf = settings, only, call, shelf
+        self.settings, self.login, self._call, self._shelf = settings, login, call, shelf
         self._link = Link(settings, lambda _: None, lambda _, __: None, source=Source.PAGE)
         self.pages: set[Face] = set()
         self.poses = Poses(self._positions)
@@ -84,28 +85,65 @@ class Hub:
 
     # -- views ---------------------------------------------------------------------------------------
 
-    def robots(self) -> tuple[str, ...]:
-        """Return the names of the robots that pages may use."""
+    def robots(self, visitor: str) -> tuple[str, ...]:
+        """Return the names of the robots that a browser may use."""
         session = self._link.session
-        present = () if session is None else sorted({name for name, _ in session.monitor.present()})
-        return tuple(name for name in present if self._only in (None, name))
+        present = () if session is None else tuple(sorted({name for name, _ in session.monitor.present()}))
+        return self.login.robots(visitor, present)
 
-    def new_page(self, visitor: str, send: Callable[[bytes], object], close: Callable[[], None]) -> Face:
-        """Return the face of a new page, which shows the first robot; `close` closes the page's web socket."""
-        robot = next(iter(self.robots()), self._only or self.settings.robot)
-        desk = Desk(self._shelf, visitor)
+    def new_page(
+        self,
+        visitor: str,
+        send: Callable[[bytes], object],
+        close: Callable[[], None],
+        valid: Callable[[], object] = lambda: True,
+    ) -> Face:
+        """Return the face of a new page, which shows the first of its robots; a seat of a class also drives it.
+
+        Args:
+            visitor: the name of the browser, or its seat.
+            send: sends a message to the browser.
+            close: closes the page's web socket.
+            valid: returns a false value when the browser has to log in again.
+        """
+        robot = next(iter(self.robots(visitor)), self.settings.robot)
+        desk = Desk(self._shelf, visitor, teacher=visitor == names.TEACHER)
         lessons = Lessons(self._shelf.folder.parent / "progress" / visitor, self._call)
         face = Face(self._link.world(robot), visitor, send, close, self._stop, desk, lessons)
+        face.valid, face.shown = valid, self.login.shown(visitor)
+        account = self.login.account(visitor)
+        if account is not None:
+            face.link = self._open(face, Settings(robot, account.connect, account.name, account=account))
+            self._drive_own(face)
         self.pages.add(face)
         return face
+
+    def _open(self, face: Face, settings: Settings) -> Link:
+        """Return a link that reports to a page; it reads the robots' states from the session that all share."""
+        report, shared = partial(self._call, face.report), self._link.session
+        link = Link(settings, report, lambda _, __: None, source=Source.PAGE, shared=shared)
+        link.look()
+        return link
+
+    def _drive_own(self, face: Face) -> None:
+        """Let a pupil's page drive its own robot without a press."""
+        if face.robot == face.visitor:
+            self.drive(face, "")
+
+    def remove(self, face: Face) -> None:
+        """End a page whose web socket is closed: its robots stop and are free."""
+        self.pages.discard(face)
+        self.end_driver(face)
+        if face.link is not None:
+            self._close(face.link)
+
+    def _close(self, link: Link) -> None:
+        self._closing = [thread for thread in self._closing if thread.is_alive()]
+        self._closing.append(threads.start(link.close, "close"))  # it may wait for the router
 
     async def show(self) -> None:
         """Send all pages what has changed, one after the other: requests, such as STOP, wait for one view at most."""
         self._link.look()
-        robots = self.robots()
-        for face in self.pages if robots else ():
-            if not face.aimed and face.robot not in robots:
-                self.watch(face, robots[0])  # none was online when the page was opened
         session = self._link.session
         shown = any(face.shows_class for face in self.pages)
         states = robots_online(session) if shown else ()
@@ -113,9 +151,14 @@ class Hub:
             if session is not None and not face.due(session.monitor.changes(face.robot), time.monotonic()):
                 continue
             try:
-                driver = face.driver
-                world = self._link.world(face.robot) if driver is None else driver.link.world()
+                robots = self.robots(face.visitor)
+                if robots and not face.aimed and face.robot not in robots:
+                    self.watch(face, robots[0])  # none was online when the page was opened
+                own = face.own_link
+                world = self._link.world(face.robot) if own is None else own.world()
                 face.show(replace(world, robots=states if face.shows_class else ()), robots)
+                if not face.valid():
+                    face.close()
             except Exception as error:  # noqa: BLE001 - a fault of one page must not freeze the others
                 threads.show_error(error)
                 face.close()
@@ -123,10 +166,14 @@ class Hub:
 
     def watch(self, face: Face, robot: str) -> None:
         """Show another robot to a page, and end its driver of the former robot."""
-        if robot not in self.robots() or robot == face.robot:
+        if robot not in self.robots(face.visitor) or robot == face.robot:
             return
         self.end_driver(face)
+        if face.link is not None:
+            face.link.do(ChooseRobot(robot))
         face.change(self._link.world(robot))
+        if face.link is not None:
+            self._drive_own(face)
 
     def _positions(self, robot: str, side: str) -> Positions | None:
         session = self._link.session
@@ -136,33 +183,33 @@ class Hub:
 
     def drive(self, face: Face, name: str) -> None:
         """Open a link that takes a page's robot or waits for it; its seat is the account's or is made of `name`."""
-        session, account = self._link.session, self.settings.account
-        if face.driver is not None or session is None:
+        account = self.settings.account
+        if face.driver is not None or (face.link is None and self._link.session is None):
             return
         given = f"web-{names.tidy(name, face.visitor)}"[:32].strip("-")
-        seat = given if account is None else self.settings.who
+        own = face.visitor if face.link is not None else self.settings.who
+        seat = given if account is None else own
         rivals = (page.driver for page in self.pages if page.robot == face.robot and page.driver is not None)
         if seat in {rival.seat for rival in rivals}:
             key = "page.name_in_use" if account is None else "page.seat_in_use"
             face.notify(key, robot=face.robot, seat=seat)
             return
         settings = Settings(face.robot, self.settings.connect, seat, account=account)
-        link = Link(
-            settings, partial(self._call, face.report), lambda _, __: None, source=Source.PAGE, shared=session
-        )
-        link.look()
         face.notify("")
-        face.driver = Driver(link, seat, time.monotonic())
+        face.driver = Driver(face.link or self._open(face, settings), seat, time.monotonic())
 
     def end_driver(self, face: Face, key: str = "") -> None:
-        """Close the link of a page, so that its robot stops and is free; the page shows the text `key` as the reason."""
-        driver, face.driver = face.driver, None
+        """Stop the robot of a page, and give it back; the page shows the text `key` as the reason."""
+        driver = face.driver
         if driver is None:
             return
         driver.link.drop()
-        self._closing = [thread for thread in self._closing if thread.is_alive()]
         self._closing += face.lessons.threads
-        self._closing.append(threads.start(driver.link.close, "close"))  # it may wait for the router
+        if driver.link is face.link:
+            face.give_back()
+        else:
+            self._close(driver.link)
+        face.driver = None
         face.state.leave()
         face.notify(key)
 
@@ -185,7 +232,8 @@ class Hub:
         """Send STOP through the session that watches, for a page that does not drive or has lost its own session."""
         session = self._link.session
         if session is not None:
-            session = replace(session, twin=Twin(face.robot, client=session.client))
+            client = self._as(face.visitor, session.client)
+            session = replace(session, client=client, twin=Twin(face.robot, client=client))
             send_stop(self._stop_sender, action, session, partial(self._call, face.report))
 
     def stop(self, visitor: str, robot: str, stop: str, page: Face | None = None) -> None:
@@ -206,14 +254,18 @@ class Hub:
         if page is not None:
             page.carry_out(Stop())
         elif session is not None:
-            self._stop_sender.send([session.client], [(robot, "*")], lambda _: None)
+            self._stop_sender.send([self._as(visitor, session.client)], [(robot, "*")], lambda _: None)
+
+    def _as(self, visitor: str, client: Client) -> Client:
+        """Return the session for STOP of a browser: in a class under its seat."""
+        return client.under(visitor) if self.login.shown(visitor) else client
 
     # -- pictures ------------------------------------------------------------------------------------
 
-    def start_pictures(self, viewer: Hashable, place: Place, show: OnPicture) -> list[Camera]:
+    def start_pictures(self, viewer: Hashable, visitor: str, place: Place, show: OnPicture) -> list[Camera]:
         """Begin to send pictures to a web socket; cameras work only while a page shows them. Returns both cameras."""
         session, cameras = self._link.session, [(*place, eye) for eye in names.EYES]
-        if session is None or place not in session.monitor.present() or place[0] not in self.robots():
+        if session is None or place not in session.monitor.present() or place[0] not in self.robots(visitor):
             return []
         self._viewers[viewer] = cameras, show
         self._watch_cameras()
@@ -237,8 +289,8 @@ class Hub:
 
     def close(self) -> None:
         """Stop the robots that pages move, and end all sessions and threads."""
-        for face in self.pages:
-            self.end_driver(face)
+        for face in list(self.pages):
+            self.remove(face)
         for part in (self._cameras, self._stop_sender, self._jobs):
             part.close()
         deadline_s = time.monotonic() + CLOSE_S

@@ -41,8 +41,12 @@ class Face(Protocol):
     state: State
 
     @property
-    def link(self) -> Link | None:
-        """The link with which it drives."""
+    def driver(self) -> object | None:
+        """What the page has while it drives."""
+
+    @property
+    def own_link(self) -> Link | None:
+        """The link of its seat."""
 
     def carry_out(self, intent: Intent) -> None:
         """Carry out an intent."""
@@ -117,7 +121,7 @@ class Lessons:
             record.next_hint(lesson)
             workspace.save()
             self._progress = workspace.progress
-            session = None if face.link is None else face.link.session
+            session = None if face.own_link is None else face.own_link.session
             if session is not None:
                 state, settings = record.state(), session.client.settings
                 self._start(lambda: lesson_reports.report(lesson.name, state, settings))
@@ -125,8 +129,8 @@ class Lessons:
     def check(self, face: Face, request: CheckProgram) -> None:
         """Run a program; if it can run with the simulation, judge what that does."""
         lesson = _lessons(face.state.choices.texts.code).get(request.lesson)
-        session = None if face.link is None else face.link.session
-        judged = session is not None and "sim" in face.state.choices.sides and not self.check_view.checks
+        session = None if face.own_link is None else face.own_link.session
+        judged = face.driver is not None and "sim" in face.state.choices.sides and not self.check_view.checks
         if lesson is None or session is None or not judged:
             face.carry_out(RunBlocks(request.program))  # which says what is missing
             return
@@ -180,7 +184,7 @@ class Lessons:
 
 
 def _begin(face: Face, program: str, answer: queue.SimpleQueue[BlockRun | None]) -> None:
-    moving = None if face.link is None else face.link.moving
+    moving = None if face.own_link is None else face.own_link.moving
     before = moving and moving.program
     face.carry_out(RunBlocks(program))
     found = moving and moving.program

@@ -7,14 +7,12 @@ import contextlib
 import errno
 import logging
 import os
-import secrets
 import socket
 from collections.abc import Callable
 from typing import Final
 
 from tornado import httpserver, ioloop, iostream, web
 
-from beatrix_zenoh import files
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.settings import Settings
@@ -28,8 +26,8 @@ from gui.page.static_files import STATIC, StaticFolder
 
 CONNECTIONS_MAX: Final = 192
 """Largest number of connections: a page needs two, and a system may allow a process only 256 open files."""
-ADDRESS_MAX: Final = 64
-"""Largest number of connections of one address."""
+ADDRESS_MAX: Final = 128
+"""Largest number of connections of one address: a class may be behind one."""
 LOOPBACK, ALL = "127.0.0.1", "0.0.0.0"  # noqa: S104  # only with --lan, behind a PIN
 SHOW_MS: Final = 100
 """Period of the views that pages get."""
@@ -82,8 +80,8 @@ async def serve(
     settings: Settings,
     port: int,
     *,
-    only: str | None,
-    pin: str | None,
+    login: Login,
+    lan: bool,
     ready: Callable[[int], None],
     shutdown: Shutdown,
 ) -> None:
@@ -92,8 +90,8 @@ async def serve(
     Args:
         settings: router and seat.
         port: TCP port; 0: any free port.
-        only: name of the only robot that pages may use; None: all robots at the router.
-        pin: PIN that every browser needs; None: serve this computer only, without a PIN.
+        login: the browsers that may use the page.
+        lan: whether to serve other computers, too.
         ready: called with the port when the page is served.
         shutdown: ends the server.
 
@@ -102,13 +100,11 @@ async def serve(
         Refused: BAD_VALUE, another program uses the port, or the system does not allow it.
     """
     logging.getLogger("tornado").setLevel(logging.ERROR)  # each bad request would be a warning, without limit
-    with contextlib.closing(bind(port, LOOPBACK if pin is None else ALL)) as listening:
-        shelf = Shelf(files.user_folder() / "programs")
-        hub = Hub(settings, only, ioloop.IOLoop.current().add_callback, shelf)
+    with contextlib.closing(bind(port, ALL if lan else LOOPBACK)) as listening:
+        shelf = Shelf(login.folder / "programs")
+        hub = Hub(settings, login, ioloop.IOLoop.current().add_callback, shelf)
         port = listening.getsockname()[1]
-        server = Server(
-            application(Context(hub, Login(pin), f"beatrix-{port}", StaticFolder.read())), **LIMITS
-        )
+        server = Server(application(Context(hub, login, f"beatrix-{port}", StaticFolder.read())), **LIMITS)
         server.add_socket(listening)
         await _run(server, hub, lambda: ready(port), shutdown)
 
@@ -160,14 +156,14 @@ def application(context: Context) -> web.Application:
             ("/stop", Stopper),
             ("/live", Live),
             ("/pictures", Pictures),
-            ("/head.json", HeadMesh),
             (context.static.root + r"/([a-z0-9_./-]+)", StaticFiles),
             (r"/static/(vendor/[a-z0-9_./-]+)", StaticFiles),  # a path that outlives changes of the page
+            ("/head.json", HeadMesh),
         ],
         default_handler_class=Nothing,
         context=context,
         template_path=str(STATIC),
-        cookie_secret=secrets.token_urlsafe(32),
+        cookie_secret=context.login.secret,
         xsrf_cookies=True,
         xsrf_cookie_kwargs={"samesite": "Strict", "httponly": True},
         websocket_ping_interval=PING_S,

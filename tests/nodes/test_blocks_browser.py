@@ -129,6 +129,13 @@ def test_a_pupil_builds_runs_and_stops_programs(
     )
     assert program(page) == kept
 
+    page.resize(360, 740, touch=True)
+    tap(page, ".blocklyToolboxCategory")
+    box(page, ".blocklyFlyout .turn")
+    x, y, _, height = box(page, "#stop")
+    on_top = f"document.elementFromPoint({x + 20}, {y + height / 2}).id"
+    assert (page.run(on_top), page.run("document.documentElement.scrollWidth")) == ("stop", 360)
+
     page.run(f"void Blockly.serialization.blocks.append({{ type: 'gesture' }}, {WORKSPACE})")
     offered = (
         f"{WORKSPACE}.getBlocksByType('gesture')[0].getField('NAME').getOptions().map(([, name]) => name)"

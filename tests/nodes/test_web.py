@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
+from block_programs import block, saved
 from robots import Stage, ready, until
 from web_client import WebClient, WebSocket, online, serving
 
@@ -161,6 +162,32 @@ def test_a_hidden_page_stops_the_robot_and_a_closed_one_gives_it_back(
     driver.close()
     stops_on_the_way(robot)
     until(lambda: not robot.status().holder, "free")
+
+
+def test_a_program_of_blocks_ends_with_heartbeats_and_when_the_page_is_hidden(
+    driver: WebSocket, robot: Robot
+) -> None:
+    program = saved(
+        block("speed", SPEED=15), block("forever", DO=[block("turn", ANGLE=a) for a in (40, -40)])
+    )
+    for end in ("beat", "hidden"):
+        driver.send("RunBlocks", program=program)
+        driver.state(lambda view: view["blocks"]["block"] == "turn-id" and moving(view), "it moves")
+        if end == "hidden":
+            driver.send("hidden")
+        driver.state(lambda view: not view["blocks"]["runs"] and resting(view), "it ends", heartbeat=False)
+        driver.send("beat")
+    driver.send("RunBlocks", program=" " * (1 << 16) + "{")
+    driver.state(lambda view: view["blocks"]["text"].startswith("The program has 65537 bytes"), "refused")
+
+
+def test_a_page_that_only_watches_runs_no_program(browser: WebClient, robot: Robot) -> None:
+    page = browser.connect()
+    page.state(online, "a robot")
+    page.send("RunBlocks", program=saved(block("turn", ANGLE=40)))
+    view = page.state(lambda view: bool(view["you"]["notice"]), "a sentence")
+    assert (view["blocks"]["text"], view["blocks"]["runs"]) == ("", False)
+    assert not robot.status().moving
 
 
 def test_one_page_drives_and_the_next_gets_the_robot_when_it_leaves(

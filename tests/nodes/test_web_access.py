@@ -100,6 +100,41 @@ def test_cookies_are_for_this_page_only(port: int) -> None:
     assert all("SameSite=Strict" in cookie and "HttpOnly" in cookie for cookie in cookies)
 
 
+def test_the_editor_of_blocks_is_compressed_and_its_page_allows_no_foreign_scripts(
+    browser: WebClient,
+) -> None:
+    folder = "/static/vendor/blockly-12.5.1"
+    reply = browser.fetch(f"{folder}/blockly_compressed.js")
+    assert int(reply.headers["Content-Length"]) < 250_000 < len(reply.body)
+    policy = browser.fetch("/").headers["Content-Security-Policy"]
+    assert "script-src 'self';" in policy
+    assert "style-src-attr" not in browser.fetch("/class").headers["Content-Security-Policy"]
+    for path in (
+        f"{folder}/../../page.html",
+        f"{folder}/LICENSE",
+        "/static/vendor/",
+        "/static/vendor/../page.js",
+    ):
+        assert browser.fetch(path).code == 404, path
+
+
+@pytest.mark.parametrize(
+    ("message", "note"),
+    [
+        ({"do": "save_program", "name": "../ben/x", "program": "{}"}, "page.program_name"),
+        ({"do": "save_program", "name": "large", "program": "x" * 66000}, "page.program_large"),
+        ({"do": "open_program", "name": "../../account"}, "page.program_missing"),
+        ({"do": "open_program", "name": "own", "seat": "ben"}, "page.program_foreign"),
+        ({"do": "save_program", "name": "own", "program": "{}"}, "page.program_saved"),
+    ],
+)
+def test_a_hostile_program_gets_a_sentence(browser: WebClient, message: dict[str, str], note: str) -> None:
+    page = browser.connect()
+    page.send_raw(json.dumps(message))
+    view = page.state(lambda view: view["programs"]["note"][0] == note, note)
+    assert set(view["programs"]["names"]) <= {"own"}
+
+
 UNREADABLE = ("", "{", '{"do":"HoldArm","arm":"nose","sign":1}', '{"do":"StartSimulation"}', "x" * 100)
 
 
@@ -152,7 +187,7 @@ def locked(router: Stage, monkeypatch: pytest.MonkeyPatch) -> Iterator[WebClient
 
 
 def test_the_page_needs_the_pin(locked: WebClient) -> None:
-    assert 'name="pin"' in locked.load()
+    assert 'name="typed"' in locked.load()
     assert locked.refusal() == (403, "This browser is not logged in. Load the control page again.")
     assert "class.js" not in locked.fetch("/class").body.decode(), "the projector needs it, too"
     wrong = locked.log_in("000000")
@@ -165,7 +200,7 @@ def test_the_page_needs_the_pin(locked: WebClient) -> None:
 
 def test_a_pin_of_a_foreign_page_is_not_checked(locked: WebClient) -> None:
     locked.load()
-    assert locked.fetch("/", f"pin={PIN}", Origin="http://evil.example").code == 403
+    assert locked.fetch("/", f"typed={PIN}", Origin="http://evil.example").code == 403
     assert list(locked.cookies) == ["_xsrf"]
 
 

@@ -47,7 +47,7 @@ def browser(stage: Stage, serving_page: contextlib.ExitStack, tmp_path: Path) ->
     port = serving_page.enter_context(serving(stage.endpoint, pin=PIN))
     with Browser(tmp_path, (360, 640)) as made:
         made.open(f"http://127.0.0.1:{port}/")
-        made.run("document.querySelector('#pin').focus()")
+        made.run("document.querySelector('#typed').focus()")
         made.type(PIN)
         made.click("button")
         made.wait(lambda: "motors off" in made.text("#pills"), "the page")
@@ -63,6 +63,11 @@ def slide(browser: Browser, **angles: float) -> None:
     for part, angle in angles.items():
         slider = f"document.querySelector('#aim-{part}')"
         browser.run(f"{slider}.value = {angle}, {slider}.dispatchEvent(new Event('input'))")
+
+
+def choose_lead(browser: Browser, seconds: int) -> None:
+    browser.run(f"document.querySelector('#lead').value = {seconds}")
+    browser.run("document.querySelector('#lead').dispatchEvent(new Event('change'))")
 
 
 def drag_face(browser: Browser, way: float) -> None:
@@ -111,8 +116,7 @@ def test_a_student_drives_from_a_browser(
     assert not robot.status().moving
 
     rests = yaw(robot)
-    browser.run("document.querySelector('#lead').value = 5")
-    browser.run("document.querySelector('#lead').dispatchEvent(new Event('change'))")
+    choose_lead(browser, 5)
     slide(browser, yaw=20)
     browser.click("#send")
     browser.wait(lambda: "hardware follows in" in browser.text("#countdown"), "the simulation leads")
@@ -121,13 +125,14 @@ def test_a_student_drives_from_a_browser(
     browser.click("#send_now")
     until(lambda: yaw(robot) < -15.0, "the hardware follows at once")
 
+    choose_lead(browser, 0)
     browser.resize(360, 740)
     browser.click("#send_on_release")
     browser.wait(lambda: browser.run("document.querySelector('#send_on_release').checked"), "chosen")
     drag_face(browser, 60)
     until(lambda: yaw(robot) > 0.0, "a drag is sent when it ends")
     browser.click("#gestures button")
-    browser.wait(lambda: robot.positions().head.pitch > 3.0, "a gesture nods")
+    until(lambda: robot.positions().head.pitch > 3.0, "a gesture nods")
 
     for size in ((360, 640), (820, 1180), (1366, 768)):
         check_size(browser, *size)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from types import SimpleNamespace
 from typing import Any
 
+from beatrix_zenoh.blocks.program import AXES
 from beatrix_zenoh.blocks.walker import PAUSE_S
+from beatrix_zenoh.contract.names import ARMS
 
 Saved = dict[str, Any]
 ROUNDS_MAX = 2000
@@ -85,11 +88,6 @@ class Recorder:
             raise Ended
         self.calls.append(call)
 
-    def angle(self) -> float:
-        """Return an angle that depends on the number of calls only."""
-        self.note("positions")
-        return len(self.calls) * 7.0 % 90
-
     # -- as the walker calls it ---------------------------------------------------------------------
 
     def begin(self, block: str) -> None:
@@ -118,60 +116,62 @@ class Recorder:
         else:
             self.rounds = rounds  # the Python program does not pause
 
-    def position(self, part: str) -> float:  # noqa: ARG002
-        return self.angle()
+    def position(self, part: str) -> float:
+        self.note("position", part)
+        return len(self.calls) * 7.0 % 90  # depends on the number of calls only
 
 
-def execute(text: str, recorder: Recorder) -> None:
-    """Execute a program for the SDK with a robot that records in the same words."""
+class Angles:
+    """The angles of a reading: asks for the one that is read."""
+
+    def __init__(self, recorder: Recorder, *parts: str) -> None:
+        self._recorder, self._parts = recorder, parts
+
+    def __getattr__(self, part: str) -> float:
+        assert part in self._parts
+        return self._recorder.position(part)
+
+    def _replace(self, **arms: float) -> list[tuple[str, float]]:
+        return [*arms.items()]
+
+
+def sdk(recorder: Recorder) -> SimpleNamespace:
+    """Return a robot of the SDK that records what is asked of it in the words of the walker."""
 
     def look(yaw: float = 0.0, pitch: float = 0.0, roll: float = 0.0, speed: float | None = None) -> None:
         recorder.look(yaw, pitch, roll, speed)
 
-    def move(*arms: float, speed: float | None = None) -> None:
-        if isinstance(arms[0], tuple):
-            recorder.move_arm(*arms[0], speed)
+    def move(*arms: Any, speed: float | None = None) -> None:
+        if len(arms) == 1:
+            arm, angle = arms[0]
+            recorder.move_arm(arm, angle, speed)
         else:
             recorder.home(speed)
 
-    class Place:
-        """The positions, whose arms can be replaced."""
-
-        commanded = SimpleNamespace(_replace=lambda **arms: [next(iter(arms.items()))])
-
-        def __getattr__(self, _name: str) -> Any:
-            angle = recorder.angle()
-            return SimpleNamespace(
-                **dict.fromkeys(("yaw", "pitch", "roll", "short", "middle", "long"), angle)
-            )
-
-    def stops() -> Any:
-        recorder.wait(float("inf"))
+    def events() -> Iterator[SimpleNamespace]:
+        recorder.wait(math.inf)
         yield SimpleNamespace(kind="stop")
 
-    robot = SimpleNamespace(
+    arms = Angles(recorder, *ARMS)
+    reading = SimpleNamespace(head=Angles(recorder, *AXES.values()), arms=arms, commanded=arms)
+    return SimpleNamespace(
         look=look,
         move=move,
+        events=events,
         home=lambda: recorder.home(None),
         make_ready=lambda: None,
-        positions=Place,
-        events=stops,
+        positions=lambda: reading,
     )
+
+
+def execute(text: str, recorder: Recorder) -> None:
+    """Execute a program for the SDK with a robot that records."""
     modules = {
         "time": SimpleNamespace(sleep=recorder.wait),
-        "beatrix_zenoh": SimpleNamespace(Robot=lambda: robot),
+        "beatrix_zenoh": SimpleNamespace(Robot=lambda: sdk(recorder)),
         "beatrix_zenoh.client.choreography": SimpleNamespace(
             load=str, play=lambda _, name: recorder.gesture(name)
         ),
     }
-
-    def imported(name: str, *_: object) -> object:
-        return modules[name]
-
-    names: dict[str, Callable[..., object]] = {
-        "__import__": imported,
-        "range": range,
-        "round": round,
-        "next": next,
-    }
-    exec(compile(text, "blocks", "exec"), {"__builtins__": names})
+    words = {"range": range, "round": round, "next": next, "__import__": lambda name, *_: modules[name]}
+    exec(compile(text, "blocks", "exec"), {"__builtins__": words})

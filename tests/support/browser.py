@@ -40,11 +40,11 @@ KEYS = {" ": 32, "Enter": 13, "Escape": 27, "ArrowLeft": 37}
 class Browser:
     """Chromium with one page."""
 
-    def __init__(self, folder: Path, size: tuple[int, int] = (1366, 768), *options: str) -> None:
+    def __init__(self, folder: Path, size: tuple[int, int] = (1366, 768)) -> None:
         if shutil.which(PROGRAM) is None:
             pytest.fail(f"{PROGRAM} is missing: sudo apt install {PROGRAM}", pytrace=False)
         self._process = subprocess.Popen(
-            [PROGRAM, *OPTIONS, *options, f"--user-data-dir={folder}", "about:blank"],
+            [PROGRAM, *OPTIONS, f"--user-data-dir={folder}", "about:blank"],
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )
@@ -103,6 +103,11 @@ class Browser:
             deviceScaleFactor=1,
             mobile=touch,
         )
+
+    def pretend_graphics_chip(self) -> None:
+        """Let pages that are opened later take the processor for a graphics chip."""
+        script = "WebGLRenderingContext.prototype.getExtension = () => null"
+        self.call("Page.addScriptToEvaluateOnNewDocument", source=script)
 
     def open(self, address: str) -> None:
         """Load a page, and wait until it is complete."""

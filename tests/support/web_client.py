@@ -21,6 +21,7 @@ from beatrix_zenoh.account import Account
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import Shutdown
 from gui.page import server
+from gui.page.protection import Login, PinLogin
 
 T = TypeVar("T")
 PIN = "246810"
@@ -28,12 +29,18 @@ PIN = "246810"
 
 @contextlib.contextmanager
 def serving(
-    endpoint: str, *, only: str | None = None, pin: str | None = None, account: Account | None = None
+    endpoint: str,
+    *,
+    only: str | None = None,
+    pin: str | None = None,
+    account: Account | None = None,
+    login: Login | None = None,
 ) -> Iterator[int]:
     """Serve the page on loopback; yields the port."""
     shutdown, ports = Shutdown(), queue.SimpleQueue[int]()
     settings = Settings("bea", endpoint, "ana" if account is None else account.name, account=account)
-    served = server.serve(settings, 0, only=only, pin=pin, ready=ports.put, shutdown=shutdown)
+    door = login or PinLogin(pin, only)
+    served = server.serve(settings, 0, login=door, lan=pin is not None, ready=ports.put, shutdown=shutdown)
     thread = threading.Thread(target=asyncio.run, args=(served,))
     thread.start()
     try:
@@ -190,7 +197,7 @@ class WebClient:
 
     def log_in(self, pin: str) -> HTTPResponse:
         """Send a PIN; return the response."""
-        return self.fetch("/", f"pin={pin}")
+        return self.fetch("/", f"typed={pin}")
 
     def connect(self, path: str = "/live", **headers: str) -> WebSocket:
         """Open a web socket; see `refusal` for one that is refused."""

@@ -55,20 +55,34 @@ ELSE = block("controls_if", IF0=block("logic_negate", BOOL=TRUE), DO0=[HOME], EL
         ([block("speed", SPEED=30), HOME, block("arm", {"ARM": "long"}, ANGLE=7)], [("home", 30), ("arm", "long", 7, 30)]),
         ([block("gesture", {"NAME": "yes"}), block("wait", SECONDS=0.5)], [("gesture", "yes"), ("wait", 0.5)]),
         ([repeat(2, HOME)], [("home", None)] * 2),
-        ([repeat(-1, HOME), repeat(0, HOME)], []),
+        ([repeat(-1, HOME), repeat(0, HOME), repeat(1.6, block("wait", SECONDS=1))], [("wait", 1)] * 2),
+        ([block("turn", ANGLE=9), block("gesture", {"NAME": "no"}), block("nod", ANGLE=5)], [("look", 9, 0, 0, None), ("gesture", "no"), ("look", 0, 5, 0, None)]),
         ([block("wait_stop")], [("wait", float("inf"))]),
         ([set_x(3), repeat(2, WAIT_X, block("math_change", variable("x"), DELTA=2))], [("wait", 3), ("wait", 5)]),
         ([WAIT_X], [("wait", 0)]),
-        ([block("wait", SECONDS=block("position", {"PART": "yaw"}))], [("positions",), ("wait", 7)]),
+        ([block("wait", SECONDS=block("position", {"PART": "yaw"}))], [("position", "yaw"), ("wait", 7)]),
         ([block("wait", SECONDS=arithmetic("POWER", 2, arithmetic("MINUS", 5, 2)))], [("wait", 8)]),
+        ([block("wait", SECONDS=arithmetic("POWER", -2, 2))], [("wait", 4)]),
+        ([block("controls_if", IF0=compare("GT", 5, 5), DO0=[HOME], ELSE=[WAIT_X])], [("wait", 0)]),
+        ([set_x(3), {**IF, "extraState": {"elseIfCount": 1}}], [("home", None)]),
         ([set_x(7), {**IF, "extraState": {"elseIfCount": 1, "hasElse": True}}], [("wait", 7)]),
         ([ELSE], [("wait", 4)]),
         ([block("controls_whileUntil", {"MODE": "UNTIL"}, BOOL=compare("GTE", X, 2), DO=[HOME, block("math_change", variable("x"), DELTA=1)])], [("home", None)] * 2),
         ([{**HOME, "disabledReasons": ["MANUALLY_DISABLED"]}], []),
     ],
 )  # fmt: skip
-def test_what_a_program_asks_of_the_robot(blocks: list[Saved], asked: list[tuple[object, ...]]) -> None:
-    assert calls(*blocks) == asked
+def test_what_a_program_and_its_python_ask_of_the_robot(
+    blocks: list[Saved], asked: list[tuple[object, ...]]
+) -> None:
+    executed = Recorder()
+    execute(python.text(read(saved(*blocks))), executed)
+    assert calls(*blocks) == executed.calls == asked
+
+
+def test_each_round_of_a_loop_pauses() -> None:
+    robot = Recorder()
+    walker.Walker(read(saved(repeat(3))), robot).run()
+    assert robot.rounds == 3
 
 
 @pytest.mark.parametrize(

@@ -129,6 +129,7 @@ class BlockRun(Program):
                 self._check_moving(part)
             else:
                 if error is not None:
+                    self.check()  # tells more than the end of the motion
                     raise error
                 return
 

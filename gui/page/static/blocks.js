@@ -3,6 +3,7 @@ import { send } from "./connection.js";
 import { onTab } from "./tabs.js";
 
 const VENDOR = "/static/vendor/blockly-12.5.1/"; // not below the path of this file, because the content policy has hashes of this text
+const SIZE_MAX = 65536; // of a program (bytes); 600 blocks are smaller
 const SAVE_MS = 1000; // shortest time between two saves
 const SMALL = matchMedia("(max-width: 700px)");
 const NEW = { blocks: { languageVersion: 0, blocks: [{ type: "start", x: 24, y: 24 }] } };
@@ -108,6 +109,7 @@ async function start() {
     [loading, language] = [null, ""];
     return void note(text("not_loaded"));
   }
+  if (workspace) keep();
   inject();
 }
 
@@ -131,7 +133,7 @@ function inject() {
   workspace = Blockly.inject("workspace", {
     toolbox: toolbox(), theme: theme(), renderer: "zelos", media: `${VENDOR}media/`,
     rendererOverrides: { FIELD_DROPDOWN_SVG_ARROW_DATAURI: `${VENDOR}media/dropdown-arrow.svg` },
-    readOnly: Boolean(open.owner), sounds: false, comments: false, collapse: false, disable: false, modalInputs: false,
+    readOnly: Boolean(open.owner), maxBlocks: 600, sounds: false, comments: false, collapse: false, disable: false, modalInputs: false,
     trashcan: true, maxTrashcanContents: 0, move: { wheel: true },
     zoom: { controls: !SMALL.matches, pinch: true, startScale: SMALL.matches ? 0.65 : 0.8, minScale: 0.4, maxScale: 1.5 },
   });
@@ -291,6 +293,7 @@ async function loadFile({ target }) {
   const [file] = target.files;
   target.value = "";
   const name = file.name.replace(/\.json$/i, "").replace(/[^\p{L}\p{N}_ -]+/gu, " ").trim().slice(0, 36).trim();
+  if (file.size > SIZE_MAX) return note(page.text("page.program_large", { name }));
   const program = await file.text();
   try {
     JSON.parse(program).blocks.blocks.map((block) => block.type);
@@ -309,6 +312,7 @@ export function connectBlocks(functions) {
   page = functions;
   onTab("drive", () => byId("head").prepend(byId("stage")));
   for (const tab of ["blocks", "lessons"]) onTab(tab, () => { byId("block-stage").append(byId("stage")); start(); });
+  onTab("blocks", () => send({ do: "open_program", name: "" })); // other pages have perhaps added programs
   byId("block-programs").onchange = (event) => {
     const [seat, name] = JSON.parse(event.target.value);
     if (workspace) keep();

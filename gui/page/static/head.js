@@ -10,7 +10,7 @@ const NEAR_DEG = 0.35; // difference of two heads that are drawn as one
 const GLOW = 0.85; // share of a limit from which its border glows
 const AHEAD = 0.06; // length (m) of the line from the nose
 const EAR_PX = { mouse: 24, pen: 30, touch: 36 };
-const SLOW_MS = 40; // time from the request of a picture to its end after which the next ones wait, at most REST_MS
+const SLOW_MS = 24; // time from the request of a picture to its end after which the next ones wait, at most REST_MS
 const REST_MS = 250;
 const ORBIT_DEG = 0.5; // turn of the camera for a pixel
 
@@ -26,12 +26,14 @@ let model = null, paint = null, drag = null, orbit = null, over = null, frame = 
 export async function connectHead(own) {
   page = own;
   model = await (await fetch("/head.json")).json();
-  const renew = () => { paint = webgl(canvas, model) ?? flat(canvas, model); changed(); };
+  const chip = hasGraphicsChip();
+  const renew = () => { paint = chip ? webgl(canvas, model) : flat(canvas, model); changed(); };
   renew();
   canvas.addEventListener("webglcontextlost", (event) => event.preventDefault()); // a tablet that slept
   canvas.addEventListener("webglcontextrestored", renew);
   new ResizeObserver(changed).observe(marks);
   Object.assign(marks, { onpointerdown: press, onpointermove: move, onpointerup: release, onpointercancel: release });
+  marks.onpointerleave = () => { if (!drag) hover(null); };
   marks.addEventListener("touchstart", (event) => { // a finger beside the head scrolls the page
     const { clientX, clientY } = event.touches[0];
     if (part({ clientX, clientY, pointerType: "touch" })) event.preventDefault();
@@ -41,6 +43,12 @@ export async function connectHead(own) {
     page.turned();
     changed();
   };
+}
+
+// WebGL that a processor computes is slower than `flat`, and delays heartbeats.
+function hasGraphicsChip() {
+  const gl = document.createElement("canvas").getContext("webgl"), info = gl?.getExtension("WEBGL_debug_renderer_info");
+  return gl && !/swiftshader|llvmpipe|software|basic render/i.test(gl.getParameter(info?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER));
 }
 
 export const seenFromFront = () => Math.cos(camera.azimuth / DEG) > 0;
@@ -66,25 +74,19 @@ export function changed() {
 }
 
 const apart = (one, other) => ["yaw", "pitch", "roll"].some((name) => Math.abs(one[name] - other[name]) > NEAR_DEG);
-const headOf = (side) => page.view.head[side] && (poses[side]?.head ?? page.view.head[side]);
-
-function turnsOf(side, head) {
-  const pose = poses[side];
-  if (pose) return orientations(model.rods, pose.arms, rotationOf(pose.head));
-  const { base } = orientations(model.rods, [0, 0, 0], rotationOf(head));
-  return { base, head: rotationOf(head) };
-}
-
+const poseOf = (side) => page.view.head[side] && poses[side];
+const turnsOf = ({ arms, head }) => orientations(model.rods, arms, rotationOf(head));
 const strainOf = (target) => Math.hypot(target.pitch, target.roll) / furthest(page.view.border, target);
 
 function figures({ solid, shown, silent }, aims) {
-  const target = page.target(), other = SIDES.find((side) => side !== solid), beside = headOf(other), found = [];
-  if (shown) found.push({ turns: turnsOf(solid, shown), ...(silent ? GREY : { tint: [0, 0, 0], share: 0, alpha: 1 }) });
-  if (beside && (!shown || apart(beside, headOf(solid) ?? shown))) {
-    const { base, ...moving } = turnsOf(other, beside);
+  const target = page.target(), other = SIDES.find((side) => side !== solid), found = [];
+  const own = shown && poses[solid], beside = poseOf(other);
+  if (own) found.push({ turns: turnsOf(own), ...(silent ? GREY : { tint: [0, 0, 0], share: 0, alpha: 1 }) });
+  if (beside && !(own && !apart(beside.head, own.head))) {
+    const { base, ...moving } = turnsOf(beside);
     found.push({ turns: moving, tint: parts(other), ...GHOST });
   }
-  if (aims && !(beside && !apart(beside, target))) {
+  if (aims && !(beside && !apart(beside.head, target))) {
     found.push({ turns: { head: rotationOf(target) }, tint: parts(strainOf(target) > 1 ? "bad" : "text"), ...GHOST });
   }
   return found;
@@ -162,7 +164,7 @@ function pointOf({ clientX, clientY }) {
 // The part of the target, or of a robot if that is elsewhere, at an event; null: the ground.
 function part(event) {
   if (!model || !page.view.head?.shown) return null;
-  const heads = [page.target(), ...SIDES.map(headOf)].filter(Boolean);
+  const heads = [page.target(), ...SIDES.map((side) => poseOf(side)?.head)].filter(Boolean);
   const found = heads.map((head) => picked(model, screenNow(), head, ...pointOf(event), EAR_PX[event.pointerType] ?? 24));
   return found.find(Boolean) ?? null;
 }
@@ -187,16 +189,22 @@ function move(event) {
     page.turned();
     camera.elevation = Math.max(-10, Math.min(80, orbit.elevation + (y - orbit.y) * ORBIT_DEG));
   } else {
-    const now = part(event);
-    if (now === over) return;
-    over = now;
-    marks.classList.toggle("over", Boolean(over));
+    hover(part(event));
+    return;
   }
+  changed();
+}
+
+function hover(now) {
+  if (now === over) return;
+  over = now;
+  marks.classList.toggle("over", Boolean(over));
   changed();
 }
 
 function release() {
   if (drag) page.release();
-  drag = orbit = over = null;
+  drag = orbit = null;
+  hover(null);
   changed();
 }

@@ -8,7 +8,7 @@ import { connectTabs } from "./tabs.js";
 
 const BEAT_MS = 100; // period of the heartbeats of a page whose robots move, or may move after a message
 const REST_MS = 500; // period of the heartbeats of a page that drives or waits, and moves nothing
-const BEGIN_MS = 1000; // time after a message in which a motion begins
+const BEGIN_MS = 3000; // time after a message in which a motion begins
 const AIM_MS = 60; // shortest time between two targets
 const CONFIRM_MS = 5000;
 const SPEEDS = [10, 20, 30, 40, 60, 90]; // °/s
@@ -19,7 +19,7 @@ const ARMS = ["short", "middle", "long"];
 const COLUMNS = ["robot", "side", "state", "driver", "turn", "waiting", "rate", "age", "remarks"];
 const KEYS = { ArrowLeft: "yaw-plus", ArrowRight: "yaw-minus", ArrowUp: "pitch-minus", ArrowDown: "pitch-plus" };
 const BOXES = ["sim", "hw", "live", "send_on_release"];
-const WATCHERS = ["ChooseRobot", "DismissNotice", "DismissRefusal", "EmergencyStop", "AddPose", "DeletePose", "SetDuration", "EndBlocks"];
+const WATCHERS = ["ChooseRobot", "DismissNotice", "DismissRefusal", "EmergencyStop", "AddPose", "DeletePose", "SetDuration", "EndBlocks", "Govern", "LimitClass"];
 
 const byId = (id) => document.getElementById(id);
 const token = document.querySelector("meta[name=token]").content;
@@ -128,12 +128,14 @@ const SHOW = {
   history: (rows) => byId("history").replaceChildren(...rows.map(historyRow)),
   class: (rows) => {
     const cells = (row) => row.cells.map((cell) => make("td", cell));
-    document.querySelector("#class tbody").replaceChildren(...rows.map((row) => {
-      const line = make("tr");
-      line.append(...cells(row));
+    document.querySelector("#class tbody").replaceChildren(...rows.map((row, index) => {
+      const line = make("tr"), buttons = make("td");
+      for (const button of view.govern?.rows[index] ?? []) buttons.append(bind(make("button"), button), " ");
+      line.append(...cells(row), buttons);
       return line;
     }));
   },
+  govern: showGovern,
   last: (last) => set(byId("last"), last),
   stop: (button) => { byId("stop").title = button.tooltip; set(byId("stop"), button.text); },
   emergency: (button) => bind(byId("emergency"), button),
@@ -168,6 +170,18 @@ function showAround() {
   set(byId("around"), text(seenFromFront() ? "page.from_behind" : "page.from_front"));
 }
 
+// The teacher's page governs the class.
+function showGovern(govern) {
+  byId("govern").hidden = !govern;
+  if (!govern) return;
+  const [freeze, unfreeze, limit] = govern.all;
+  bind(byId("freeze-all"), freeze);
+  bind(byId("unfreeze-all"), unfreeze);
+  bind(byId("limit"), limit, () => ({ text: byId("limit-speed").value }));
+  ["summary", "limit-now", "governed"].forEach((id, index) => set(byId(id), govern.texts[index]));
+  byId("seats").replaceChildren(...govern.seats.flatMap(([name, button]) => [make("span", name), bind(make("button"), button)]));
+}
+
 function showTrouble() {
   const key = trouble();
   byId("trouble").hidden = !key;
@@ -191,7 +205,7 @@ function showYou(you) {
   set(byId("drive"), text(you.drives ? "page.leave" : "page.drive"));
   byId("drive").title = text(you.drives ? "page.leave_tip" : "page.drive_tip");
   byId("drive").classList.toggle("main", !you.drives);
-  byId("name").hidden = you.drives;
+  byId("name").hidden = you.drives || Boolean(you.name); // the seat of a class has a name
   document.body.classList.toggle("idle", !you.drives);
   set(byId("notice"), you.notice);
   byId("notice").hidden = !you.notice;

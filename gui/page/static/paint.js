@@ -75,10 +75,9 @@ function refined({ path, at, faces, normals }) {
 
 const unit = (vector) => vector.map((length) => length / Math.max(Math.hypot(...vector), 1e-12));
 
-// Returns a painter; null: this browser has no WebGL.
+// Returns a painter for browsers with WebGL.
 export function webgl(canvas, model) {
   const gl = canvas.getContext("webgl", { antialias: true });
-  if (!gl) return null;
   const program = gl.createProgram();
   for (const [kind, source] of [[gl.VERTEX_SHADER, BEHIND], [gl.FRAGMENT_SHADER, INSIDE]]) {
     const shader = gl.createShader(kind);

@@ -1,0 +1,246 @@
+"""Pages of a class: each browser gets the seat of its word, its account and its robot, and nothing else."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from functools import partial
+from typing import Any
+
+import pytest
+from class_router import CLI, ClassRouter
+from robots import Process, until
+from tornado.websocket import WebSocketClosedError
+from web_client import WebClient, WebSocket, serving
+
+from beatrix_zenoh import Robot
+from beatrix_zenoh import class_words as words
+from gui.page.handlers import MALFORMED
+from gui.page.seats import WRONG_MAX, Seats
+
+
+@pytest.fixture(scope="module")
+def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
+    """A class whose seats ana and ben, and the robot bea1, are simulated."""
+    with ClassRouter(tmp_path_factory.mktemp("class")) as made:
+        options = ("--seats", str(made.class_file), "--name", "bea1", "--ready")
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setenv("BEATRIX_ACCOUNT", str(made.path("teacher")))
+            simulation = Process(*CLI, "sim", *options)
+        for _ in range(3):
+            simulation.expect("ready")
+        yield made
+        simulation.end()
+
+
+@pytest.fixture(scope="module")
+def port(router: ClassRouter) -> Iterator[int]:
+    account = router.account("teacher")
+    with serving(account.connect, account=account, login=Seats(router.classroom, router.folder)) as made:
+        yield made
+
+
+@pytest.fixture
+def browsers(port: int, router: ClassRouter) -> Iterator[dict[str, WebClient]]:
+    """A browser of each seat, and one of nobody."""
+    made = {seat: WebClient(port) for seat in ("ana", "ben", "teacher", "")}
+    for seat, browser in made.items():
+        browser.load()
+        if seat:
+            assert browser.log_in(words.read(router.folder).words[seat]).code == 303
+            browser.load()
+    yield made
+    for browser in made.values():
+        browser.__exit__()
+
+
+def drives(view: dict[str, Any]) -> bool:
+    return any("yours" in pill["notes"] for pill in view["pills"])
+
+
+def ready(browser: WebClient) -> WebSocket:
+    """Return a page that drives its own robot, which needs no press."""
+    page = browser.connect()
+    page.state(drives, "the page drives its own robot")
+    return page
+
+
+def looks(yaw: float, view: dict[str, Any]) -> bool:
+    return abs(view["head"]["sim"]["yaw"] - yaw) < 0.5  # type: ignore[no-any-return]
+
+
+def look(page: WebSocket, yaw: float) -> None:
+    page.send("AimHead", yaw=yaw, pitch=0, roll=0)
+    page.send("SendHead")
+
+
+def stops(robot: Robot) -> dict[str, int]:
+    """Return the number of STOPs by seat."""
+    return {one.seat: one.count for one in robot.status().stops}
+
+
+def test_each_page_drives_its_own_head_under_its_own_seat(
+    browsers: dict[str, WebClient], router: ClassRouter
+) -> None:
+    ana, ben = ready(browsers["ana"]), ready(browsers["ben"])
+    assert (ana.view["robots"], ben.view["robots"]) == (["ana", "bea1"], ["ben", "bea1"])
+    look(ana, 20.0)
+    look(ben, -10.0)
+    for page, yaw in ((ana, 20.0), (ben, -10.0)):
+        page.state(partial(looks, yaw), "the head has turned")
+    with router.robot("ana", "sim", "teacher") as robot:
+        assert robot.status().holder == "ana"
+
+
+def test_a_page_cannot_show_or_drive_the_head_of_another_seat(browsers: dict[str, WebClient]) -> None:
+    ben = ready(browsers["ben"])
+    for name in ("ana", "teacher", "*", "bea2"):
+        ben.send("ChooseRobot", name=name)
+    look(ben, 5.0)
+    ben.state(lambda view: "done" in view["last"], "the motion of its own head has ended")
+    assert ben.view["robot"] == "ben"
+    pictures = browsers["ben"].connect("/pictures?robot=ana&side=sim")
+    until(lambda: pictures.read() is None, "no pictures of another seat's eyes")
+
+
+def test_only_the_teachers_page_governs(browsers: dict[str, WebClient], router: ClassRouter) -> None:
+    ben, teacher = ready(browsers["ben"]), browsers["teacher"].connect()
+    freeze = {"row": -1, "action": "freeze", "places": [["ben", "sim"]]}
+    ben.send("class", on=True)
+    ben.send("Govern", **freeze)
+    ben.send("LimitClass", text="5")
+    look(ben, 8.0)
+    ben.state(lambda view: "done" in view["last"], "nothing is frozen")
+    assert ben.view["govern"] is None
+    with router.robot("ben", "sim", "teacher") as robot:
+        assert not robot.status().speed_limit
+        teacher.send("class", on=True)
+        teacher.state(lambda view: bool(view.get("govern")), "the teacher's buttons", heartbeat=False)
+        teacher.send("Govern", **freeze)
+        until(lambda: robot.status().frozen, "the teacher's page freezes")
+        ben.state(lambda view: view["pills"][0]["condition"] == "frozen", "the page says so")
+        teacher.send("Govern", **{**freeze, "action": "unfreeze"})
+        until(lambda: not robot.status().frozen, "and unfreezes")
+
+
+PROGRAM = json.dumps({
+    "blocks": {"blocks": [{"type": "start", "next": {"block": {"type": "home"}}}]}
+})  # fmt: skip
+TOO_LARGE = 1009
+"""With this code of the protocol Tornado closes a web socket after too large a message."""
+OTHERS: list[dict[str, Any]] = [
+    *(
+        {"do": "ChooseRobot", "name": name}
+        for name in ("ana", "teacher", "*", "**", "ana/sim", "bea2", "@router")
+    ),
+    *({"do": "drive", "name": name} for name in ("ana", "teacher")),
+    *(
+        {"do": "open_program", "name": "secret", "seat": seat}
+        for seat in ("ana", "../ana", "teacher", "ana/versions")
+    ),
+    *({"do": "open_program", "name": name} for name in ("../ana/secret", "/etc/passwd", "..", "secret.json")),
+    *(
+        {"do": "save_program", "name": name, "program": PROGRAM}
+        for name in ("../ana/secret", "../../words", "a/b", "..", "", "x" * 100, "C:secret", "secret\0")
+    ),
+    {"do": "save_program", "name": "huge", "program": "x" * 70_000},
+    {"do": "check_program", "lesson": "../../seats/ana", "program": PROGRAM},
+    {"do": "hint", "lesson": "../../seats/ana"},
+    {"do": "Govern", "row": -1, "action": "mute", "seat": "ana"},
+    {"do": "Govern", "row": -1, "action": "take", "places": [["ana", "sim"]]},
+    {"do": "LimitClass", "text": "1"},
+    {"do": "AskLease", "action": "take", "side": "sim"},
+    {"do": "RunBlocks", "program": "[" * 60_000},
+    {"do": "RunBlocks", "program": json.dumps({"blocks": {"blocks": [{"type": "start"}] * 10_000}})},
+]
+"""What a page of another seat may try at ana's head, programs, lessons and word."""
+
+
+def chose(speed: float, view: dict[str, Any]) -> bool:
+    return view["choices"]["speed"] == speed  # type: ignore[no-any-return]
+
+
+def test_no_message_of_another_page_reaches_a_seat(
+    browsers: dict[str, WebClient], router: ClassRouter
+) -> None:
+    ana = ready(browsers["ana"])
+    ana.send("save_program", name="secret", program=PROGRAM)
+    ana.state(lambda view: "secret" in view["programs"]["names"], "ana's program is kept")
+    before = {
+        path: path.read_bytes()
+        for path in router.folder.rglob("*")
+        if path.is_file() and "ben" not in str(path)
+    }
+    ben = ready(browsers["ben"])
+    seen = []
+    for number, message in enumerate(OTHERS):
+        ben.send(**message)
+        try:
+            ben.send("Choose", name="speed", value=10 + number)
+            view = ben.state(partial(chose, 10 + number), str(message)[:80])
+        except (AssertionError, WebSocketClosedError):
+            until(lambda page=ben: page.read() is None, "closed")  # type: ignore[misc]
+            assert ben.code in (MALFORMED, TOO_LARGE), message
+            ben = ready(browsers["ben"])
+        else:
+            seen.append((view["robot"], json.dumps(view["programs"])))
+    assert {robot for robot, _ in seen} == {"ben"}
+    assert not any('"seat": "ana"' in programs for _, programs in seen)
+    after = {
+        path: path.read_bytes()
+        for path in router.folder.rglob("*")
+        if path.is_file() and "ben" not in str(path)
+    }
+    assert after == before
+    with router.robot("ana", "sim", "teacher") as robot:
+        assert (robot.status().holder, robot.status().muted, robot.status().speed_limit) == ("ana", [], 0.0)
+
+
+def test_stop_of_a_page_has_its_seat(browsers: dict[str, WebClient], router: ClassRouter) -> None:
+    ben = ready(browsers["ben"])
+    with router.robot("bea1", "sim", "teacher") as robot:
+        ben.send("ChooseRobot", name="bea1")
+        ben.state(lambda view: view["robot"] == "bea1", "it watches the robot of the class")
+        ben.send("stop", robot="bea1", stop="n1")  # a page that does not drive
+        until(lambda: stops(robot).get("ben") == 1, "the STOP is ben's")
+        reply = browsers["ben"].fetch("/stop", '{"do":"stop","robot":"bea1","stop":"n2"}')
+        assert reply.code == 200
+        until(lambda: stops(robot).get("ben") == 2, "also that of a page whose web socket is broken")
+        assert "teacher" not in stops(robot)
+
+
+def test_a_seat_has_one_driving_page(browsers: dict[str, WebClient]) -> None:
+    ready(browsers["ben"])
+    second = browsers["ben"].connect()
+    second.state(lambda view: "one of them drives" in view["you"]["notice"], "the second page says why")
+
+
+def test_a_word_that_was_replaced_ends_its_pages(browsers: dict[str, WebClient], router: ClassRouter) -> None:
+    ana, old = ready(browsers["ana"]), words.read(router.folder).words["ana"]
+    words.renew(router.folder, "ana")
+    until(lambda: ana.read() is None, "the page is closed")
+    assert browsers["ana"].refusal()[0] == 403
+    assert browsers["ana"].log_in(old).code == 403
+    assert browsers["ana"].log_in(words.read(router.folder).words["ana"]).code == 303
+
+
+@pytest.mark.parametrize("typed", ["", "ana", "ana:", "../teacher", "x" * 5000, "<b>", "ana:abcdef"])
+def test_what_is_no_word_opens_no_page(browsers: dict[str, WebClient], typed: str) -> None:
+    nobody = browsers[""]
+    assert nobody.log_in(typed).code in (400, 403)
+    nobody.cookies |= {name: f"ana:{typed}" for name in nobody.cookies if name.startswith("beatrix")}
+    assert nobody.refusal()[0] == 403
+    assert "page.js" not in nobody.fetch("/").body.decode()
+    assert nobody.fetch("/stop", '{"do":"stop","robot":"ana","stop":"x"}').code == 403
+
+
+def test_a_room_behind_one_address_may_mistype(router: ClassRouter) -> None:
+    seats, right = Seats(router.classroom, router.folder), words.read(router.folder).words["ben"]
+    for number in range(WRONG_MAX):
+        assert seats.enter(right.upper() + " ", "nat", number / 10).ticket, (
+            "capitals and spaces do not matter"
+        )
+        assert seats.enter("wrong", "nat", number / 10).refusal == "page.wrong_word"
+    assert seats.enter(right, "nat", 6.0).refusal == "page.wait"
+    assert seats.enter(right, "nat", 61.0).ticket
+    assert seats.enter(right, "other", 6.0).ticket
