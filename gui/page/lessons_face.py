@@ -91,6 +91,8 @@ class Lessons:
         """
         self._folder, self._call = folder, call
         self._progress = ProgressFile()
+        self._states: dict[str, dict[str, LessonState]] = {}
+        """what `states` has returned since the last change, by language: views are frequent"""
         self._read()
         self.check_view = CheckView()
         self.threads: list[threading.Thread] = []
@@ -98,7 +100,9 @@ class Lessons:
 
     def states(self, language: str) -> dict[str, LessonState]:
         """Return what the seat has reached in each lesson that it has begun."""
-        found: dict[str, LessonState] = {}
+        if language in self._states:
+            return self._states[language]
+        found = self._states[language] = {}
         for lesson in _lessons(language).values():
             if record := self._progress.lessons.get(lesson.name):
                 given = tuple(
@@ -120,7 +124,7 @@ class Lessons:
             record = workspace.record(lesson.name)
             record.next_hint(lesson)
             workspace.save()
-            self._progress = workspace.progress
+            self._progress, self._states = workspace.progress, {}
             session = None if face.own_link is None else face.own_link.session
             if session is not None:
                 state, settings = record.state(), session.client.settings
@@ -180,7 +184,7 @@ class Lessons:
 
     def _read(self) -> None:
         with contextlib.suppress(BeatrixError):  # a check says that the file cannot be read
-            self._progress = Workspace(self._folder).progress
+            self._progress, self._states = Workspace(self._folder).progress, {}
 
 
 def _begin(face: Face, program: str, answer: queue.SimpleQueue[BlockRun | None]) -> None:
