@@ -75,7 +75,7 @@ class SaveProgram(Message, frozen=True, tag="save_program"):
 
 
 class OpenProgram(Message, frozen=True, tag="open_program"):
-    """Show a program; only a teacher names a seat."""
+    """Show a program; no name: only list them anew. Only a teacher names a seat."""
 
     name: str
     seat: str = ""

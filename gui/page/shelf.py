@@ -192,7 +192,10 @@ class Desk:
         self._show(**_translated(program), note=("page.program_saved", {"time": time.strftime("%H:%M")}))
 
     def open(self, name: str, owner: str = "") -> None:
-        """Open a program of this seat; the teacher may look at one of another seat."""
+        """Open a program of this seat; the teacher may look at one of another seat. No name: only list them anew."""
+        if not name:
+            self._show()
+            return
         if owner and not (self._teacher and owner in self._shelf.seats()):
             self._show(note=("page.program_foreign", {}))
             return

@@ -90,6 +90,22 @@ def yaw(robot: Robot) -> float:
     return robot.positions().head.yaw
 
 
+def check_phone(page: Browser) -> None:
+    """Check that on a phone nothing is too wide, the open toolbox does not cover STOP, and all gestures are offered."""
+    page.resize(360, 740, touch=True)
+    tap(page, ".blocklyToolboxCategory")
+    box(page, ".blocklyFlyout .turn")
+    x, y, _, height = box(page, "#stop")
+    on_top = f"document.elementFromPoint({x + 20}, {y + height / 2}).id"
+    assert (page.run(on_top), page.run("document.documentElement.scrollWidth")) == ("stop", 360)
+
+    page.run(f"void Blockly.serialization.blocks.append({{ type: 'gesture' }}, {WORKSPACE})")
+    offered = (
+        f"{WORKSPACE}.getBlocksByType('gesture')[0].getField('NAME').getOptions().map(([, name]) => name)"
+    )
+    assert tuple(page.run(offered)) == GESTURES
+
+
 def test_a_pupil_builds_runs_and_stops_programs(
     page: Browser, robot: tuple[Stage, Robot], tmp_path: Path
 ) -> None:
@@ -129,9 +145,5 @@ def test_a_pupil_builds_runs_and_stops_programs(
     )
     assert program(page) == kept
 
-    page.run(f"void Blockly.serialization.blocks.append({{ type: 'gesture' }}, {WORKSPACE})")
-    offered = (
-        f"{WORKSPACE}.getBlocksByType('gesture')[0].getField('NAME').getOptions().map(([, name]) => name)"
-    )
-    assert tuple(page.run(offered)) == GESTURES
+    check_phone(page)
     assert page.errors() == []

@@ -159,6 +159,9 @@ def test_only_the_teacher_opens_programs_of_other_seats(shelf: Shelf) -> None:
         assert pupil.opened == Opened()
     teacher.open("secret", "ben")
     assert teacher.opened == Opened("secret", "ben", HOME)
+    shelf.keep("cem", "new", HOME)
+    teacher.open("")
+    assert (len(teacher.view.others), teacher.opened.owner) == (2, "ben")
     teacher.open("secret", "..")
     assert teacher.view.note[0] == "page.program_foreign"
 

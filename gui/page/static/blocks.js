@@ -109,6 +109,7 @@ async function start() {
     [loading, language] = [null, ""];
     return void note(text("not_loaded"));
   }
+  if (workspace) keep();
   inject();
 }
 
@@ -311,6 +312,7 @@ export function connectBlocks(functions) {
   page = functions;
   onTab("drive", () => byId("head").prepend(byId("stage")));
   for (const tab of ["blocks", "lessons"]) onTab(tab, () => { byId("block-stage").append(byId("stage")); start(); });
+  onTab("blocks", () => send({ do: "open_program", name: "" })); // other pages have perhaps added programs
   byId("block-programs").onchange = (event) => {
     const [seat, name] = JSON.parse(event.target.value);
     if (workspace) keep();

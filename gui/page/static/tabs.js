@@ -4,7 +4,7 @@ const opened = {}; // what runs when a tab is opened, by its name
 
 export function openTab(name) {
   const chosen = byTab(name) ? name : "drive";
-  for (const tab of document.querySelectorAll("#tabs [data-tab]")) tab.ariaSelected = tab.dataset.tab === chosen;
+  for (const tab of document.querySelectorAll("#tabs [data-tab]")) tab.setAttribute("aria-selected", tab.dataset.tab === chosen);
   for (const panel of document.querySelectorAll("[data-panel]")) panel.hidden = !panel.dataset.panel.split(" ").includes(chosen);
   document.body.dataset.tab = chosen;
   localStorage.setItem("tab", chosen);
