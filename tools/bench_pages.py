@@ -1,11 +1,12 @@
-"""Many control pages at one server: processor time of the server, ages of views, and STOP of a page.
+"""Many control pages at one server: processor time of the server, STOP of pages, and a whole class with browsers.
 
     python tools/bench_pages.py [NUMBER ...]
+    python tools/bench_pages.py class
 
 NUMBER of pages (default: 0 1 10 30) that watch or drive 30 simulations in one process, without a browser: each page is
 two messages a second to read and, if it drives, two heartbeats a second to send. STOP is measured from its message on
 the page's web socket to the event that the robot publishes; the floor of this run is STOP of a program at the same
-robot.
+robot. `class` runs a class of 30 seats, each with an own head: 24 such pages and 6 in real browsers, 5 of them moving.
 """
 
 from __future__ import annotations
@@ -17,20 +18,28 @@ import sys
 import time
 from contextlib import ExitStack
 from http.cookies import SimpleCookie
-from itertools import count
+from itertools import count, cycle
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Final
 
-from bench_node import Served, free_endpoint, spread_ms
+from bench_node import ROOT, Served, free_endpoint, spread_ms
 from tornado.httpclient import HTTPRequest
 from tornado.ioloop import PeriodicCallback
 from tornado.simple_httpclient import SimpleAsyncHTTPClient
 from tornado.websocket import WebSocketClientConnection, websocket_connect
 
+from beatrix_zenoh import account as accounts
+from beatrix_zenoh import class_file, class_words
+from beatrix_zenoh.classroom import provision
 from beatrix_zenoh.client import subscription
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.contract._generated.messages import EventKind
 from beatrix_zenoh.settings import Settings
+
+sys.path.append(str(ROOT / "tests/support"))
+from browser import Browser
 
 ROBOTS: Final = 30
 LASTS_S: Final = 8.0
@@ -175,8 +184,108 @@ async def measure(number: int, port: int, endpoint: str, served: dict[str, Serve
     return row
 
 
+CLASS: Final = """name = "bench"
+addresses = ["127.0.0.1"]
+seats = 30
+[router]
+port = {port}
+page = {page}
+"""
+MOVING, BROWSERS = 5, 6
+
+
+async def move(pages: list[Page]) -> None:
+    """Turn the heads of these pages to and fro until this is cancelled."""
+    for yaw in cycle((25.0, -25.0)):
+        for page in pages:
+            page.send("AimHead", yaw=yaw, pitch=0.0, roll=0.0)
+            page.send("SendHead")
+        for _ in range(20):
+            for page in pages:
+                page.send("beat")
+            await asyncio.sleep(0.1)
+
+
+async def answers(page: Page) -> list[float]:
+    """Return the times (s) from a change of a choice to the view that shows it."""
+    took = []
+    for number in range(STOPS):
+        began_s = time.monotonic()
+        page.send("Choose", name="speed", value=10 + number)
+        while page.view["choices"]["speed"] != 10 + number:  # type: ignore[index]
+            assert time.monotonic() - began_s < 5, "no view"
+            await asyncio.sleep(0.001)
+        took.append(time.monotonic() - began_s)
+        await asyncio.sleep(0.02 + number % 7 / 100)
+    return took
+
+
+def shown(served: dict[str, Served], before: dict[str, float], lasted_s: float) -> str:
+    """Return processor time (% of a core) and memory of each process."""
+    cpu = ((name, 100 * (one.cpu_s() - before[name]) / lasted_s, one) for name, one in served.items())
+    return ", ".join(f"{name} {share:.0f} % {one.rss_mib():.0f} MiB" for name, share, one in cpu)
+
+
+async def in_class(port: int, words: dict[str, str], teacher: Client, served: dict[str, Served]) -> None:
+    """Open the pages, and print the figures."""
+    pages = [Page(port, seat) for seat in words if seat != "teacher"][: ROBOTS - BROWSERS]
+    for page in pages:
+        await page.open(words[page.robot])
+    beats = PeriodicCallback(lambda: beat(pages), BEAT_MS)
+    beats.start()
+    moving = asyncio.create_task(move(pages[:MOVING]))
+    await asyncio.sleep(SETTLE_S)
+    before, began_s = {name: one.cpu_s() for name, one in served.items()}, time.monotonic()
+    await asyncio.sleep(LASTS_S)
+    print(f"  {shown(served, before, time.monotonic() - began_s)}")
+    factors = [
+        status.plant.real_time_factor
+        for n in range(1, ROBOTS + 1)
+        if (status := Robot(f"seat{n:02d}", "sim", client=teacher).status()).plant is not None
+    ]
+    print(f"  real-time factor, lowest and highest: {min(factors):.4f} {max(factors):.4f}")
+    print(f"  press -> view [ms]: {spread_ms(await answers(pages[-1]))}")
+    ours, floor = await stops(pages[MOVING:], teacher)
+    print(f"  STOP of a page [ms]: {spread_ms(ours)}; of the teacher's program: {spread_ms(floor)}")
+    moving.cancel()
+    beats.stop()
+    for page in pages:
+        page.close()
+
+
+def whole_class() -> None:
+    """Run a class with pages in browsers and without, and print its figures."""
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(TemporaryDirectory()))
+        page = int(free_endpoint().rpartition(":")[2])
+        file = folder / "class.toml"
+        file.write_text(CLASS.format(port=page + 1, page=page), encoding="ascii")
+        described = class_file.read(file)
+        provision.init(described, folder / "bench")
+        account = folder / "bench/seats/teacher.toml"
+        words, served = class_words.read(folder / "bench").words, dict[str, Served]()
+        for name, options in {
+            "routers": ("router", "--class", str(file)),
+            "sim": ("sim", "--seats", str(file), "--ready"),
+            "page": ("web", "--class", str(file)),
+        }.items():
+            served[name] = Served("beatrix_zenoh.cli", *options, account=account)
+            stack.callback(served[name].end)
+        for number in range(ROBOTS - BROWSERS + 1, ROBOTS + 1):
+            browser = stack.enter_context(Browser(folder / f"browser{number}", (820, 1180)))
+            browser.call("Page.navigate", url=f"http://127.0.0.1:{page}/#{words[f'seat{number:02d}']}")
+            browser.wait(lambda browser=browser: bool(browser.text("#stop")), "the page")  # type: ignore[misc]
+        own = accounts.load(account)
+        teacher = stack.enter_context(Client(Settings("seat01", own.connect, "teacher", account=own)))
+        print(f"{ROBOTS - BROWSERS} pages and {BROWSERS} browsers, {MOVING} heads move", flush=True)
+        asyncio.run(in_class(page, words, teacher, served))
+
+
 def main() -> None:
     """Print a row for each number of pages."""
+    if sys.argv[1:] == ["class"]:
+        whole_class()
+        return
     with ExitStack() as stack:
         endpoint = free_endpoint()
         port = int(free_endpoint().rpartition(":")[2])

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from beatrix_zenoh.contract.errors import bad_value
-from beatrix_zenoh.lesson_files import NOT_MEASURED, asked, find
+from beatrix_zenoh.lesson_files import LIBRARY, NOT_MEASURED, asked, find, lessons
 from beatrix_zenoh.lessons import program as programs
 from beatrix_zenoh.lessons import progress
 from beatrix_zenoh.output import columns, note, print_json, say
@@ -105,19 +105,30 @@ def _show(rows: list[Row], seats: list[str], shown: Callable[[str], str]) -> Non
     """Print a line for each seat, and what the check asks of those that are stuck."""
     from beatrix_zenoh.client import lesson_reports as reports
 
-    lessons = sorted({row.lesson for row in rows})
+    begun = sorted({row.lesson for row in rows})
     cells = {(row.seat, row.lesson): row.words for row in rows}
-    lines = [(shown(seat), *(cells.get((seat, lesson), "-") for lesson in lessons)) for seat in seats]
-    say(columns(("seat", *lessons), lines))
+    lines = [(shown(seat), *(cells.get((seat, lesson), "-") for lesson in begun)) for seat in seats]
+    say(columns(("seat", *begun), lines))
     note("Each row is what the computer of the seat has reported itself.")
     for row in rows:
         if row.progress == reports.STUCK_AT:
             say(
                 f"{shown(row.seat)} has been stuck in {row.lesson} for {row.state.stuck} checks (hints read: "
-                f"{row.state.hints}). The check asks: {asked(row.lesson, row.state.figure)}. `beatrix lesson hint N` on "
-                "the seat explains it; `beatrix lesson solution N --show` is for you."
+                f"{row.state.hints}). The check asks: {asked(row.lesson, row.state.figure)}. {_help(row.lesson)}"
             )
         elif row.progress == NOT_MEASURED:
             say(
                 f"The last check of {row.lesson} by {shown(row.seat)} could judge nothing: is the computer too busy?"
             )
+
+
+def _help(lesson: str) -> str:
+    """Return what explains a lesson to the seat, and where the teacher finds its solution."""
+    if lesson in {one.name for one in lessons()}:
+        return (
+            "`beatrix lesson hint N` on the seat explains it; `beatrix lesson solution N --show` is for you."
+        )
+    solution = LIBRARY / lesson / "solution.json"
+    return (
+        f"The page of the seat has hints; the page of the teacher opens the solution as a file: {solution}."
+    )

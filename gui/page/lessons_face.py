@@ -8,7 +8,7 @@ import threading
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import Final, Protocol
 
 import msgspec
 
@@ -21,18 +21,38 @@ from beatrix_zenoh.lessons.checking import Verdict
 from beatrix_zenoh.lessons.own_run import OwnRun
 from beatrix_zenoh.lessons.page import lesson_pages, plain
 from beatrix_zenoh.lessons.progress import ProgressFile, Workspace
+from gui.console.link import Link
 from gui.console.link.block_run import BlockRun
 from gui.console.state.actions import EndBlocks
-from gui.console.state.intents import RunBlocks
+from gui.console.state.intents import Intent, RunBlocks
+from gui.console.state.state import State
 from gui.page.messages import AskHint, CheckProgram
-
-if TYPE_CHECKING:
-    from gui.page.face import Face
 
 LOOK_S: Final = 0.2
 """Period in which a check keeps what the robot has published."""
 BEGIN_S: Final = 5.0
 """Longest time until the server's loop begins a program."""
+
+
+class Face(Protocol):
+    """The page whose lessons these are."""
+
+    robot: str
+    state: State
+
+    @property
+    def driver(self) -> object | None:
+        """What the page has while it drives."""
+
+    @property
+    def own_link(self) -> Link | None:
+        """The link of its seat."""
+
+    def carry_out(self, intent: Intent) -> None:
+        """Carry out an intent."""
+
+    def renew(self) -> None:
+        """Let the next view be sent soon."""
 
 
 class LessonState(msgspec.Struct, frozen=True):
@@ -71,6 +91,8 @@ class Lessons:
         """
         self._folder, self._call = folder, call
         self._progress = ProgressFile()
+        self._states: dict[str, dict[str, LessonState]] = {}
+        """what `states` has returned since the last change, by language: views are frequent"""
         self._read()
         self.check_view = CheckView()
         self.threads: list[threading.Thread] = []
@@ -78,7 +100,9 @@ class Lessons:
 
     def states(self, language: str) -> dict[str, LessonState]:
         """Return what the seat has reached in each lesson that it has begun."""
-        found: dict[str, LessonState] = {}
+        if language in self._states:
+            return self._states[language]
+        found = self._states[language] = {}
         for lesson in _lessons(language).values():
             if record := self._progress.lessons.get(lesson.name):
                 given = tuple(
@@ -100,8 +124,8 @@ class Lessons:
             record = workspace.record(lesson.name)
             record.next_hint(lesson)
             workspace.save()
-            self._progress = workspace.progress
-            session = None if face.driver is None else face.driver.link.session
+            self._progress, self._states = workspace.progress, {}
+            session = None if face.own_link is None else face.own_link.session
             if session is not None:
                 state, settings = record.state(), session.client.settings
                 self._start(lambda: lesson_reports.report(lesson.name, state, settings))
@@ -109,8 +133,8 @@ class Lessons:
     def check(self, face: Face, request: CheckProgram) -> None:
         """Run a program; if it can run with the simulation, judge what that does."""
         lesson = _lessons(face.state.choices.texts.code).get(request.lesson)
-        session = None if face.driver is None else face.driver.link.session
-        judged = session is not None and "sim" in face.state.choices.sides and not self.check_view.checks
+        session = None if face.own_link is None else face.own_link.session
+        judged = face.driver is not None and "sim" in face.state.choices.sides and not self.check_view.checks
         if lesson is None or session is None or not judged:
             face.carry_out(RunBlocks(request.program))  # which says what is missing
             return
@@ -160,11 +184,11 @@ class Lessons:
 
     def _read(self) -> None:
         with contextlib.suppress(BeatrixError):  # a check says that the file cannot be read
-            self._progress = Workspace(self._folder).progress
+            self._progress, self._states = Workspace(self._folder).progress, {}
 
 
 def _begin(face: Face, program: str, answer: queue.SimpleQueue[BlockRun | None]) -> None:
-    moving = None if face.driver is None else face.driver.link.moving
+    moving = None if face.own_link is None else face.own_link.moving
     before = moving and moving.program
     face.carry_out(RunBlocks(program))
     found = moving and moving.program

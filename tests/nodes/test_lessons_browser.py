@@ -42,6 +42,7 @@ def page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Browser]:
 def verdict(page: Browser, program: str) -> str:
     """Put a program into the editor, run it, and return the verdict; skip the test on a computer that is too busy."""
     state = f"JSON.parse({json.dumps(program)})"
+    found = ""
     for _ in range(TRIES):
         page.run(f"Blockly.serialization.workspaces.load({state}, Blockly.getMainWorkspace())")
         page.wait(lambda: not page.run("document.querySelector('#block-run').disabled"), "Run")

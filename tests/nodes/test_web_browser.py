@@ -66,8 +66,8 @@ def slide(browser: Browser, **angles: float) -> None:
 
 
 def choose_lead(browser: Browser, seconds: int) -> None:
-    browser.run(f"document.querySelector('#lead').value = {seconds}")
-    browser.run("document.querySelector('#lead').dispatchEvent(new Event('change'))")
+    lead = "document.querySelector('#lead')"
+    browser.run(f"{lead}.value = {seconds}, {lead}.dispatchEvent(new Event('change'))")
 
 
 def drag_face(browser: Browser, way: float) -> None:
@@ -125,6 +125,7 @@ def test_a_student_drives_from_a_browser(
     browser.click("#send_now")
     until(lambda: yaw(robot) < -15.0, "the hardware follows at once")
 
+    browser.wait(lambda: browser.text("#last").startswith("last: look right 20 done"), "both rest")
     choose_lead(browser, 0)
     browser.resize(360, 740)
     browser.click("#send_on_release")

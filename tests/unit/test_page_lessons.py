@@ -16,10 +16,10 @@ from gui.page.messages import AskHint, CheckProgram
 
 
 class PageFace:
-    """As much of a face as lessons use; it drives no robot unless `driver` is set."""
+    """As much of a face as lessons use; it drives no robot."""
 
     def __init__(self, language: str = "en") -> None:
-        self.robot, self.driver, self.done = "p01", None, list[object]()
+        self.robot, self.driver, self.own_link, self.done = "p01", None, None, list[object]()
         texts = SimpleNamespace(code=language)
         self.state = SimpleNamespace(choices=SimpleNamespace(texts=texts, sides=("sim",)))
 

@@ -11,8 +11,8 @@ const RAD = Math.PI / 180;
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-export const apply = (m, [x, y, z]) => [0, 3, 6].map((row) => m[row] * x + m[row + 1] * y + m[row + 2] * z);
-const times = (a, b) => [0, 3, 6].flatMap((row) => [0, 1, 2].map(
+export const apply = (m, [x, y, z]) => [m[0] * x + m[1] * y + m[2] * z, m[3] * x + m[4] * y + m[5] * z, m[6] * x + m[7] * y + m[8] * z];
+export const times = (a, b) => [0, 3, 6].flatMap((row) => [0, 1, 2].map(
   (column) => a[row] * b[column] + a[row + 1] * b[column + 3] + a[row + 2] * b[column + 6]));
 
 export function rotationOf({ yaw, pitch, roll }) { // deg

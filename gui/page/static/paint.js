@@ -1,5 +1,5 @@
 // Painters of the robot: with WebGL, or without it. Each is given figures ({ turns, tint, share, alpha }) and a screen.
-import { apply, AWAY, place } from "./body.js";
+import { apply, AWAY, place, times } from "./body.js";
 
 const LIGHT = [-0.425, 0.709, 0.567]; // direction to the light: right, up, towards the viewer
 const DARKEST = 0.42; // brightness of a face that is turned away from the light
@@ -153,11 +153,12 @@ export function flat(canvas, model) {
       const found = [];
       for (const { path, at, faces } of bodies.filter((body) => turns[body.path])) {
         const points = at.map((point) => place(screen, apply(turns[path], point)));
+        const seen = times(screen.axes, turns[path]);
+        const light = [0, 1, 2].map((axis) => LIGHT[0] * seen[axis] + LIGHT[1] * seen[axis + 3] + LIGHT[2] * seen[axis + 6]);
         for (const { corners, colour, normal, lift } of faces) {
           const [a, b, c, d] = corners.map((corner) => points[corner]);
           if ((c[0] - a[0]) * (d[1] - b[1]) > (c[1] - a[1]) * (d[0] - b[0])) continue; // turned away
-          const [x, y, z] = apply(screen.axes, apply(turns[path], normal));
-          const bright = 0.5 + 0.62 * (x * LIGHT[0] + y * LIGHT[1] + z * LIGHT[2]);
+          const bright = 0.5 + 0.62 * (normal[0] * light[0] + normal[1] * light[1] + normal[2] * light[2]);
           const lit = DARKEST + (1 - DARKEST) * Math.min(1, Math.max(0, bright));
           const shade = colour.map((part, index) => Math.round((part * (1 - share) + tint[index] * share) * lit));
           found.push({ corners: [a, b, c, d], shade: `rgb(${shade})`, near: (a[2] + b[2] + c[2] + d[2]) / 4 + lift });
