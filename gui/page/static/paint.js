@@ -149,6 +149,7 @@ export function flat(canvas, model) {
     const ratio = canvas.width / screen.width;
     paper.setTransform(ratio, 0, 0, ratio, 0, 0);
     paper.clearRect(0, 0, screen.width, screen.height);
+    paper.lineJoin = "round";
     for (const { turns, tint, share, alpha } of figures) {
       const found = [];
       for (const { path, at, faces } of bodies.filter((body) => turns[body.path])) {
