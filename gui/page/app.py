@@ -90,8 +90,8 @@ def _open(name: str | None, connect: str | None, who: str | None, port: int | No
     own = settings.account
     if settings.who == TEACHER or (own is not None and own.role == "teacher"):
         text = (
-            "Pages of the teacher could take robots from all other seats. Serve the class with `beatrix web --class "
-            "class.toml`, where each page has the account of its seat, or choose another seat with --who."
+            "Pages of the teacher could take robots from all other seats. Serve the class, where each page has the account "
+            "of its seat, with `beatrix web --class class.toml`, or choose another seat with --who."
         )
         raise Refused(Reason.BAD_VALUE, text)
     chosen = chosen_pin() if lan else None
