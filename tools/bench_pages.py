@@ -23,7 +23,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final
 
-from bench_node import ROOT, Served, free_endpoint, spread_ms
+from bench_node import ROOT, Served, cpu_s, free_endpoint, spread_ms
 from tornado.httpclient import HTTPRequest
 from tornado.ioloop import PeriodicCallback
 from tornado.simple_httpclient import SimpleAsyncHTTPClient
@@ -40,6 +40,7 @@ from beatrix_zenoh.settings import Settings
 
 sys.path.append(str(ROOT / "tests/support"))
 from browser import Browser
+from robots import children
 
 ROBOTS: Final = 30
 LASTS_S: Final = 8.0
@@ -220,10 +221,9 @@ async def answers(page: Page) -> list[float]:
     return took
 
 
-def shown(served: dict[str, Served], before: dict[str, float], lasted_s: float) -> str:
-    """Return processor time (% of a core) and memory of each process."""
-    cpu = ((name, 100 * (one.cpu_s() - before[name]) / lasted_s, one) for name, one in served.items())
-    return ", ".join(f"{name} {share:.0f} % {one.rss_mib():.0f} MiB" for name, share, one in cpu)
+def used_s(served: dict[str, Served]) -> dict[str, float]:
+    """Return the processor time (s) of each process with its children: the routers of a class are children."""
+    return {name: one.cpu_s() + sum(map(cpu_s, children(one.pid))) for name, one in served.items()}
 
 
 async def in_class(port: int, words: dict[str, str], teacher: Client, served: dict[str, Served]) -> None:
@@ -235,9 +235,13 @@ async def in_class(port: int, words: dict[str, str], teacher: Client, served: di
     beats.start()
     moving = asyncio.create_task(move(pages[:MOVING]))
     await asyncio.sleep(SETTLE_S)
-    before, began_s = {name: one.cpu_s() for name, one in served.items()}, time.monotonic()
+    before, began_s = used_s(served), time.monotonic()
     await asyncio.sleep(LASTS_S)
-    print(f"  {shown(served, before, time.monotonic() - began_s)}")
+    after, lasted_s = used_s(served), time.monotonic() - began_s
+    for name, one in served.items():
+        print(
+            f"  {name}: {100 * (after[name] - before[name]) / lasted_s:.0f} % of a core, {one.rss_mib():.0f} MiB"
+        )
     factors = [
         status.plant.real_time_factor
         for n in range(1, ROBOTS + 1)
