@@ -104,6 +104,19 @@ def test_a_page_cannot_show_or_drive_the_head_of_another_seat(browsers: dict[str
     until(lambda: pictures.read() is None, "no pictures of another seat's eyes")
 
 
+def test_a_lesson_is_judged_kept_and_reported_for_the_seat_of_its_page(
+    browsers: dict[str, WebClient], router: ClassRouter
+) -> None:
+    ana = ready(browsers["ana"])
+    ana.send("check_program", lesson="b6-edge", program=PROGRAM)
+    result = ana.state(lambda view: bool(view["check"]["result"]), "the verdict")["check"]["result"]
+    assert (router.folder / "progress/ana/progress.json").is_file()
+    with router.robot("bea1", "sim", "teacher") as robot:
+        (row,) = lesson_reports.read(robot.client)
+    progress = {"not_yet": "trying", "not_measurable": "not-measured"}  # on a computer that is busy
+    assert (row.seat, row.lesson, row.progress) == ("ana", "b6-edge", progress[result])
+
+
 def test_only_the_teachers_page_governs(browsers: dict[str, WebClient], router: ClassRouter) -> None:
     ben, teacher = ready(browsers["ben"]), browsers["teacher"].connect()
     freeze = {"row": -1, "action": "freeze", "places": [["ben", "sim"]]}
@@ -195,19 +208,6 @@ def test_no_message_of_another_page_reaches_a_seat(
     assert after == before
     with router.robot("ana", "sim", "teacher") as robot:
         assert (robot.status().holder, robot.status().muted, robot.status().speed_limit) == ("ana", [], 0.0)
-
-
-def test_a_lesson_is_judged_kept_and_reported_for_the_seat_of_its_page(
-    browsers: dict[str, WebClient], router: ClassRouter
-) -> None:
-    ana = ready(browsers["ana"])
-    ana.send("check_program", lesson="b6-edge", program=PROGRAM)
-    result = ana.state(lambda view: bool(view["check"]["result"]), "the verdict")["check"]["result"]
-    assert (router.folder / "progress/ana/progress.json").is_file()
-    with router.robot("bea1", "sim", "teacher") as robot:
-        (row,) = lesson_reports.read(robot.client)
-    progress = {"not_yet": "trying", "not_measurable": "not-measured"}  # on a computer that is busy
-    assert (row.seat, row.lesson, row.progress) == ("ana", "b6-edge", progress[result])
 
 
 def test_stop_of_a_page_has_its_seat(browsers: dict[str, WebClient], router: ClassRouter) -> None:
