@@ -216,7 +216,8 @@ class Live(Socket):
         self._second = time.monotonic()
         self.set_nodelay(True)
         valid = partial(self.context.login.visitor, self.ticket)
-        self.face = self.hub.new_page(visitor, lambda view: self.send(view.decode()), self.close, valid)
+        show, drives = lambda view: self.send(view.decode()), self.get_query_argument("watch", None) is None
+        self.face = self.hub.new_page(visitor, show, self.close, valid, drives=drives)
         self.hub.poses.start(self.face, lambda pose: self.send(pose, binary=True))
 
     def on_close(self) -> None:

@@ -97,6 +97,8 @@ class Hub:
         send: Callable[[bytes], object],
         close: Callable[[], None],
         valid: Callable[[], object] = lambda: True,
+        *,
+        drives: bool = True,
     ) -> Face:
         """Return the face of a new page, which shows the first of its robots; a seat of a class also drives it.
 
@@ -105,6 +107,7 @@ class Hub:
             send: sends a message to the browser.
             close: closes the page's web socket.
             valid: returns a false value when the browser has to log in again.
+            drives: whether a pupil's page drives at once; that of a projector only watches.
         """
         robot = next(iter(self.robots(visitor)), self.settings.robot)
         desk = Desk(self._shelf, visitor, teacher=visitor == names.TEACHER)
@@ -114,7 +117,8 @@ class Hub:
         account = self.login.account(visitor)
         if account is not None:
             face.link = self._open(face, Settings(robot, account.connect, account.name, account=account))
-            self._drive_own(face)
+            if drives:
+                self._drive_own(face)
         self.pages.add(face)
         return face
 
@@ -189,8 +193,14 @@ class Hub:
         given = f"web-{names.tidy(name, face.visitor)}"[:32].strip("-")
         own = face.visitor if face.link is not None else self.settings.who
         seat = given if account is None else own
-        rivals = (page.driver for page in self.pages if page.robot == face.robot and page.driver is not None)
-        if seat in {rival.seat for rival in rivals}:
+        drivers = ((page, page.driver) for page in self.pages if page.robot == face.robot)
+        rivals = [page for page, driver in drivers if driver is not None and driver.seat == seat]
+        if (
+            face.link is not None
+        ):  # the newest page of a seat drives: one that was loaded again, or on another tablet
+            for page in rivals:
+                self.end_driver(page, "page.taken_over")
+        elif rivals:
             key = "page.name_in_use" if account is None else "page.seat_in_use"
             face.notify(key, robot=face.robot, seat=seat)
             return

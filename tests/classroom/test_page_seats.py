@@ -188,6 +188,7 @@ def test_no_message_of_another_page_reaches_a_seat(
     ben = ready(browsers["ben"])
     seen = []
     for number, message in enumerate(OTHERS):
+        ana.send("beat")
         ben.send(**message)
         try:
             ben.send("Choose", name="speed", value=10 + number)
@@ -223,10 +224,13 @@ def test_stop_of_a_page_has_its_seat(browsers: dict[str, WebClient], router: Cla
         assert "teacher" not in stops(robot)
 
 
-def test_a_seat_has_one_driving_page(browsers: dict[str, WebClient]) -> None:
-    ready(browsers["ben"])
-    second = browsers["ben"].connect()
-    second.state(lambda view: "one of them drives" in view["you"]["notice"], "the second page says why")
+def test_the_newest_page_of_a_seat_drives(browsers: dict[str, WebClient]) -> None:
+    first = ready(browsers["ben"])
+    second = ready(browsers["ben"])  # a page that was loaded again, or another tablet
+    first.state(lambda view: "Another page of your seat" in view["you"]["notice"], "the first one says why")
+    assert not first.view["you"]["drives"]
+    look(second, 6.0)
+    second.state(partial(looks, 6.0), "the second one drives")
 
 
 def test_a_word_that_was_replaced_ends_its_pages(browsers: dict[str, WebClient], router: ClassRouter) -> None:

@@ -31,7 +31,7 @@ export function trouble() {
 }
 
 export function connect(receive, receivePose, closed) {
-  const opened = socket = new WebSocket(`ws://${location.host}/live`);
+  const opened = socket = new WebSocket(`ws://${location.host}/live${location.pathname === "/class" ? "?watch" : ""}`);
   opened.binaryType = "arraybuffer";
   let answered = false;
   opened.onopen = () => send({ do: "open", saved: savedChoices() });
