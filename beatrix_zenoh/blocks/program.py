@@ -176,7 +176,10 @@ def _parse(text: str) -> object:
     """
     values: list[list[object]] = [[]]
     ends: list[str] = []
-    for part in _TOKEN.findall(text):
+    for token in _TOKEN.finditer(
+        text
+    ):  # one by one: a quote that never ends raises before the next one is looked for
+        part = token[0]
         if part in ("[", "{"):
             values.append([])
             ends.append("]" if part == "[" else "}")

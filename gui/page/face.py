@@ -76,7 +76,7 @@ class Face:
         visitor: str,
         send: Callable[[bytes], object],
         close: Callable[[], None],
-        stop: Callable[[Face, SendStop], None],
+        stop: Callable[[Face, SendStop], bool],
         desk: Desk,
         lessons: Lessons,
     ) -> None:
@@ -87,7 +87,7 @@ class Face:
             visitor: the name of the browser.
             send: sends a message to the browser.
             close: closes the web socket of the page.
-            stop: sends STOP for a page that does not drive.
+            stop: sends STOP for a page without a session of its own, or in a class; returns whether there is a session.
             desk: the programs of its seat.
             lessons: what its seat has reached in lessons.
         """
@@ -276,6 +276,10 @@ class Face:
 
     def _do(self, action: Action) -> None:
         link = self.own_link
+        if isinstance(action, SendStop) and self.link is not None:
+            self.link.drop()
+            if self._stop(self, action):  # not over the router of the seats, which may hang
+                return
         if link is not None:
             link.do(action)
         if isinstance(action, Hold) and self.driver is not None and action.row != self.driver.held_row:

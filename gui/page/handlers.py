@@ -296,6 +296,9 @@ class Pictures(Socket):
             self._send_newest(int(message))
 
     def _send_newest(self, eye: int) -> None:
+        if self.visitor is None:  # its word was replaced
+            self.close()
+            return
         image = self._newest[eye]
         if self._ready[eye] and image is not None:
             self._ready[eye], self._newest[eye] = False, None

@@ -238,13 +238,14 @@ class Hub:
 
     # -- STOP ----------------------------------------------------------------------------------------
 
-    def _stop(self, face: Face, action: SendStop) -> None:
-        """Send STOP through the session that watches, for a page that does not drive or has lost its own session."""
+    def _stop(self, face: Face, action: SendStop) -> bool:
+        """Send STOP of a page through the session that watches; return whether there is one."""
         session = self._link.session
         if session is not None:
             client = self._as(face.visitor, session.client)
             session = replace(session, client=client, twin=Twin(face.robot, client=client))
             send_stop(self._stop_sender, action, session, partial(self._call, face.report))
+        return session is not None
 
     def stop(self, visitor: str, robot: str, stop: str, page: Face | None = None) -> None:
         """Send STOP to simulation and hardware of a name, for any page; ignore it if its number `stop` came before.

@@ -84,10 +84,11 @@ class Shelf:
             path.touch()
         return program
 
-    def keep(self, seat: str, name: str, program: str, *, ran: bool = False) -> str:
+    def keep(self, seat: str, name: str, program: str, *, ran: bool = False, other: bool = False) -> str:
         """Write a program, and a version of it if it was run, or of the one before it once a minute; raises NotKept.
 
-        Returns its name: an existing one if only its case differs, because some systems do not tell them apart.
+        Returns its name: an existing one if only its case differs, because some systems do not tell them apart. If it is
+        an `other` program, which takes the name of one, that one becomes a version in any case.
         """
         name = unicodedata.normalize("NFC", name).strip()
         if not NAME.fullmatch(name) or DEVICES.fullmatch(name):
@@ -102,7 +103,7 @@ class Shelf:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             if not ran and path.exists():
-                self._add_version(path, path.read_bytes(), VERSION_S)
+                self._add_version(path, path.read_bytes(), 0.0 if other else VERSION_S)
             with files.replace_when_complete(path) as unfinished:
                 unfinished.write_text(program, encoding="utf-8", newline="")
             if ran:
@@ -183,7 +184,7 @@ class Desk:
         self._saves.append(now_s)
         program = request.program
         try:
-            name = self._shelf.keep(self._seat, request.name, program, ran=request.ran)
+            name = self._shelf.keep(self._seat, request.name, program, ran=request.ran, other=request.opens)
         except NotKept as error:
             self._show(note=(error.key, error.slots))
             return

@@ -272,3 +272,10 @@ def test_any_text_runs_or_is_refused_with_a_sentence(text: str) -> None:
         sentence = error.message
     assert sentence.endswith(".")
     assert time.process_time() - began_s < 1
+
+
+def test_quotes_without_an_end_are_refused_at_once() -> None:
+    began_s = time.process_time()
+    with pytest.raises(WrongProgram):
+        read('"' + '\\"' * 30_000)
+    assert time.process_time() - began_s < 1.0, "the server's loop would wait"

@@ -125,7 +125,7 @@ def test_a_message_of_a_button_or_a_field_is_read(sent: str) -> None:
 def driving(now: World) -> tuple[Face, MagicMock]:
     """Return the face of a page that drives, and its link."""
     face, link = (
-        Face(now, "guest-1", lambda _: None, lambda: None, lambda *_: None, DESK, LESSONS),
+        Face(now, "guest-1", lambda _: None, lambda: None, lambda *_: True, DESK, LESSONS),
         MagicMock(),
     )
     face.driver = Driver(link, "web-mia", time.monotonic())

@@ -7,6 +7,7 @@ const SIZE_MAX = 65536; // of a program (bytes); 600 blocks are smaller
 const SAVE_MS = 1000; // shortest time between two saves
 const SMALL = matchMedia("(max-width: 700px)");
 const NEW = { blocks: { languageVersion: 0, blocks: [{ type: "start", x: 24, y: 24 }] } };
+const MARGIN = 20; // px between the edges and the first block
 const PARTS = ["yaw", "pitch", "roll"], ARMS = ["short", "middle", "long"];
 const GESTURES = ["yes", "no", "hello", "surprised", "sleepy", "curious", "dance"];
 const COLOURS = { move: "#2f6fd0", control: "#a85a00", values: "#2b7d3e", variables: "#a63d84" };
@@ -147,7 +148,6 @@ function inject() {
 }
 
 function fit() {
-  scrollTo(0, byId("tabs").offsetTop); // on a phone the header gives way
   Blockly.svgResize(workspace);
 }
 
@@ -164,6 +164,8 @@ function show(program) {
   }
   if (!workspace.getBlocksByType("start").length) Blockly.serialization.blocks.append(NEW.blocks.blocks[0], workspace);
   for (const block of workspace.getBlocksByType("start")) block.setDeletable(false);
+  const { left, top } = workspace.getBlocksBoundingBox();
+  workspace.scroll(MARGIN - left * workspace.scale, MARGIN - top * workspace.scale);
   workspace.clearUndo();
   saved = current();
 }
@@ -265,7 +267,7 @@ export const BLOCKS = {
 // Offers the blocks of a lesson; null: all blocks.
 export function showToolbox(wanted) {
   types = wanted;
-  workspace?.updateToolbox(toolbox());
+  if (workspace && !workspace.options.readOnly) workspace.updateToolbox(toolbox()); // a program to look at has none
 }
 
 // Offers the blocks of a lesson, and opens its program, which has the lesson's name.

@@ -34,7 +34,11 @@ export function connect(receive, receivePose, closed) {
   const opened = socket = new WebSocket(`ws://${location.host}/live${location.pathname === "/class" ? "?watch" : ""}`);
   opened.binaryType = "arraybuffer";
   let answered = false;
-  opened.onopen = () => send({ do: "open", saved: savedChoices() });
+  opened.onopen = () => {
+    send({ do: "open", saved: savedChoices() });
+    const robot = sessionStorage.getItem("robot");
+    if (robot) send({ do: "ChooseRobot", name: robot });
+  };
   opened.onmessage = (event) => {
     answered = true;
     heard = performance.now();

@@ -9,6 +9,7 @@ const KINDS = { heading: "h3", text: "p", item: "li" };
 const byId = (id) => document.getElementById(id);
 let page; // functions of the page: text, make; and its view
 let shown = ""; // lesson and language of the text that is shown
+let asked = false; // whether a hint was asked for
 let offered = ""; // the lesson whose blocks are offered
 
 const opens = () => document.body.dataset.tab === "lessons";
@@ -21,7 +22,10 @@ function show() {
   const mark = ({ name }) => (view.studied[name]?.passed ? MARKS.passed : view.studied[name]?.tries ? MARKS.tried : " ");
   byId("lesson-list").replaceChildren(...view.lessons.map((one) => new Option(`${mark(one)} ${one.title}`, one.name)));
   byId("lesson-list").value = lesson.name;
+  const had = byId("lesson-hints").childElementCount;
   byId("lesson-hints").replaceChildren(...hints.map((hint) => make("li", hint)));
+  if (asked && hints.length > had) byId("lesson-hints").lastChild.scrollIntoView({ block: "nearest" });
+  asked = false;
   byId("lesson-hint").disabled = more < 1;
   byId("lesson-hint").textContent = text(more < 1 ? "page.lesson_no_hint" : "page.lesson_hint", { more });
   if (shown === lesson.name + view.language) return;
@@ -73,6 +77,6 @@ export function connectLessons(functions) {
     show();
     offer();
   };
-  byId("lesson-hint").onclick = () => send({ do: "hint", lesson: chosen().name });
+  byId("lesson-hint").onclick = () => { asked = true; send({ do: "hint", lesson: chosen().name }); };
   byId("lesson-task").onclick = () => { byId("blocks").classList.toggle("task"); dispatchEvent(new Event("resize")); };
 }

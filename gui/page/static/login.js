@@ -1,8 +1,11 @@
 // A QR code contains the word after `#`, which browsers send to no server: type it, and log in.
-const word = decodeURIComponent(location.hash.slice(1));
-const refused = document.querySelector(".refusal");
-if (word) history.replaceState(null, "", location.pathname);
-if (word && !refused) {
+function enter() {
+  const word = decodeURIComponent(location.hash.slice(1));
+  if (!word) return;
+  history.replaceState(null, "", location.pathname);
   document.getElementById("typed").value = word;
   document.querySelector("form").requestSubmit();
 }
+
+addEventListener("hashchange", enter);
+if (!document.querySelector(".refusal")) enter();

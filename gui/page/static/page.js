@@ -137,7 +137,10 @@ const SHOW = {
   },
   govern: showGovern,
   last: (last) => set(byId("last"), last),
-  stop: (button) => { byId("stop").title = button.tooltip; set(byId("stop"), button.text); },
+  stop: (button) => {
+    byId("stop").title = button.tooltip;
+    set(byId("stop"), view.robots?.length > 1 ? `${button.text} ${view.robot}` : button.text);
+  },
   emergency: (button) => bind(byId("emergency"), button),
   ...BLOCKS,
   ...LESSONS,
@@ -190,6 +193,7 @@ function showTrouble() {
 }
 
 function showRobots() {
+  if (view.robot) sessionStorage.setItem("robot", view.robot); // for the next connection
   const names = [...new Set([...(view.robots ?? []), view.robot])].sort();
   const list = byId("robots");
   if (list.dataset.names !== names.join()) {
@@ -207,6 +211,7 @@ function showYou(you) {
   byId("drive").classList.toggle("main", !you.drives);
   byId("name").hidden = you.drives || Boolean(you.name); // the seat of a class has a name
   document.body.classList.toggle("idle", !you.drives);
+  document.body.classList.toggle("own", you.name !== "" && you.seat === view.robot);
   set(byId("notice"), you.notice);
   byId("notice").hidden = !you.notice;
 }
@@ -224,7 +229,9 @@ function showPill(pill, index) {
 
 // A line may end between the robots, not between a robot and its angle.
 function bothAngles(angle) {
-  return ["sim", "hw"].filter(angle).map((side) => `${text(`label.${side}`)}\u00a0${angle(side)}`).join("\u2002");
+  const sides = ["sim", "hw"].filter(angle);
+  if (sides.length === 1) return angle(sides[0]);
+  return sides.map((side) => `${text(`label.${side}`)}\u00a0${angle(side)}`).join("\u2002");
 }
 
 function showHead(head) {
@@ -475,6 +482,7 @@ build();
 byId("stop").onpointerdown = stop;
 byId("stop").onclick = (event) => { if (!event.pointerType || event.detail === 0) stop(); }; // by an assistive program
 byId("drive").onclick = drive;
+byId("notice").onclick = () => { byId("notice").hidden = true; };
 byId("send").addEventListener("click", finishAim, true);
 byId("robots").onchange = (event) => { event.target.blur(); send({ do: "ChooseRobot", name: event.target.value }); };
 const sendChoice = (name, value) => send({ do: "Choose", name, value });
