@@ -101,6 +101,8 @@ def main() -> None:
         "bench_head3d.py",
         "bench_classroom.py",
         "bench_many.py 30",
+        "bench_pages.py 0 30",
+        "bench_pages.py class",
     ):
         console.print(f"\n{script}")
         program, *words = script.split()
