@@ -7,6 +7,7 @@ const SIZE_MAX = 65536; // of a program (bytes); 600 blocks are smaller
 const SAVE_MS = 1000; // shortest time between two saves
 const SMALL = matchMedia("(max-width: 700px)");
 const NEW = { blocks: { languageVersion: 0, blocks: [{ type: "start", x: 24, y: 24 }] } };
+const LOST_MS = 20000; // time without a running program after which a lost connection has ended none
 const MARGIN = 20; // px between the edges and the first block
 const PARTS = ["yaw", "pitch", "roll"], ARMS = ["short", "middle", "long"];
 const GESTURES = ["yes", "no", "hello", "surprised", "sleepy", "curious", "dance"];
@@ -27,6 +28,8 @@ let types = null; // the blocks of a lesson; null: all
 let open = { name: "", owner: "", program: "" };
 let taken = null; // the message of the server with the program that was taken last
 let saved = ""; // the program as the server has it
+let ranAt = -Infinity; // time (ms) at which a program has ended; Infinity: it runs
+let lost = false; // whether one ended with its connection
 let timer = 0;
 let marked = ""; // the result that is shown at a block
 let broken = ""; // key of the sentence about a program that the editor cannot show
@@ -218,14 +221,17 @@ function note(sentence) {
 
 // -- the parts of the view ----------------------------------------------------------------------------
 
-function showRun({ run, end, block, text: result, at }) {
+function showRun({ run, end, runs, block, text: result, at }) {
+  if (runs) ranAt = Infinity;
+  else if (ranAt === Infinity) ranAt = performance.now();
+  lost &&= !runs && !result;
   page.bind(byId("block-run"), run, () => {
     if (!page.view.you.drives) scrollTo(0, 0); // to the button Drive
     return { program: keep(true), ...page.asLesson() };
   });
   page.bind(byId("block-end"), end);
   byId("block-run").disabled ||= !workspace;
-  byId("block-result").textContent = result;
+  byId("block-result").textContent = lost ? text("lost") : result;
   byId("block-result").classList.toggle("refused", Boolean(at));
   workspace?.highlightBlock(block || null);
   if (!workspace || marked === at + result) return;
@@ -256,6 +262,11 @@ function showOpened(opened) {
   if (!workspace) return;
   if (other) inject();
   if (other || opened.program !== current()) show(opened.program);
+}
+
+// A new connection knows nothing of a program that ended with the one before.
+export function disconnected() {
+  lost = performance.now() - ranAt < LOST_MS;
 }
 
 export const BLOCKS = {

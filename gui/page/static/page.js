@@ -1,5 +1,5 @@
 // The control page: draws the parts of the view that its server sends, and sends the intent of each button.
-import { BLOCKS, connectBlocks } from "./blocks.js";
+import { BLOCKS, connectBlocks, disconnected } from "./blocks.js";
 import { connect, isOpen, send, sinceRequest, sinceSent, trouble } from "./connection.js";
 import { connectEyes, showEyes } from "./eyes.js";
 import { changed, connectHead, receivePose, seenFromFront } from "./head.js";
@@ -507,4 +507,4 @@ connectLessons({ text, make, view });
 connectTabs();
 connectEyes(isOpen, () => showEyes(view));
 connectHead({ view, target, aim, grab, release: releaseHead, turned: showAround });
-connect(receive, receivePose, () => { releaseButton(); showTrouble(); });
+connect(receive, receivePose, () => { releaseButton(); disconnected(); showTrouble(); });
