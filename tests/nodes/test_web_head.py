@@ -143,7 +143,7 @@ def aimed(browser: Browser) -> float:
 def test_the_script_computes_what_python_computes(port: int, tmp_path: Path) -> None:
     chance = random.Random(40)
     cases = [_case(chance) for _ in range(60)]
-    script = """import('/static/body.js').then(async (body) => {
+    script = """import(document.querySelector('script[src$="page.js"]').src.replace('page.js', 'body.js')).then(async (body) => {
         const model = await (await fetch('/head.json')).json();
         return %s.map(({ seen, arms, head, point, part, start, from, to, border, size }) => {
             const screen = body.screenOf(seen, ...size);
