@@ -98,6 +98,8 @@ class Face:
         """the page's own link in a class, with the account of its seat, also while it only watches"""
         self.shown = ""
         """the name of the pupil in a class"""
+        self.beside = ""
+        """the robot that a pupil's page shows beside its own; empty: none"""
         self.valid: Callable[[], object] = lambda: True
         """returns a false value when the browser has to log in again"""
         self.shows_class = False
@@ -210,6 +212,7 @@ class Face:
                 "drives": driver is not None,
                 "moves": self._busy,
                 "name": self.shown,
+                "beside": self.beside,
                 "text": self._role(world, texts),
                 "notice": texts(key, **slots) if key else "",
             },

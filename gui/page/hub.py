@@ -159,6 +159,8 @@ class Hub:
                 if robots and not face.aimed and face.robot not in robots:
                     self.watch(face, robots[0])  # none was online when the page was opened
                 own = face.own_link
+                others = (name for name in robots if face.robot == face.visitor != name)
+                face.beside = next(others, "") if face.link is not None else ""
                 world = self._link.world(face.robot) if own is None else own.world()
                 face.show(replace(world, robots=states if face.shows_class else ()), robots)
                 if not face.valid():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import struct
 import time
 from asyncio import Future
@@ -9,13 +10,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
 
-from beatrix_zenoh.client.session import Place
 from beatrix_zenoh.contract._generated.messages import Positions
 from beatrix_zenoh.contract.names import SIDES
 from gui.page.face import Face
 
 LAYOUT: Final = struct.Struct("<B6f")
-"""Number of the side in SIDES; angles of the short, middle and long arm, yaw, pitch, roll of the head (rad)."""
+"""Number of the side in SIDES, plus 2 of the robot beside; angles of the short, middle and long arm, yaw, pitch, roll of the
+head (rad)."""
 DIGITS: Final = 4
 """Decimal places of the angles: a robot at rest sends equal messages."""
 REST_S: Final = 1.0
@@ -37,8 +38,8 @@ class _Shown:
     """What one page has got of each side."""
 
     send: Send
-    sent: list[bytes] = field(default_factory=lambda: [b""] * len(SIDES))
-    sent_s: list[float] = field(default_factory=lambda: [0.0] * len(SIDES))
+    sent: list[bytes] = field(default_factory=lambda: [b""] * 2 * len(SIDES))
+    sent_s: list[float] = field(default_factory=lambda: [0.0] * 2 * len(SIDES))
     under_way: Future[None] | None = None
 
     def show(self, number: int, pose: bytes, now_s: float) -> None:
@@ -68,10 +69,10 @@ class Poses:
 
     def send(self) -> None:
         """Send each page the poses of its robots; each pose is encoded once for all pages."""
-        encoded: dict[Place, bytes] = {}
+        encoded: dict[tuple[int, str], bytes] = {}
         for face, page in list(self._pages.items()):
-            for number, side in enumerate(SIDES):
-                place = face.robot, side
-                if place not in encoded:
-                    encoded[place] = encode(number, self._positions(*place))
-                page.show(number, encoded[place], time.monotonic())
+            robots = (face.robot, face.beside) if face.beside else (face.robot,)
+            for number, (robot, side) in enumerate(itertools.product(robots, SIDES)):
+                if (number, robot) not in encoded:
+                    encoded[number, robot] = encode(number, self._positions(robot, side))
+                page.show(number, encoded[number, robot], time.monotonic())

@@ -89,6 +89,10 @@ def test_each_page_drives_its_own_head_under_its_own_seat(
     look(ben, -10.0)
     for page, yaw in ((ana, 20.0), (ben, -10.0)):
         page.state(partial(looks, yaw), "the head has turned")
+    assert ana.view["you"]["beside"] == "bea1"
+    assert {pose[0] for pose in ana.poses} == {0, 2}, (
+        "of the own head, and of the simulation of the robot beside it"
+    )
     with router.robot("ana", "sim", "teacher") as robot:
         assert robot.status().holder == "ana"
 

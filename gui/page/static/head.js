@@ -19,15 +19,19 @@ const colours = getComputedStyle(document.documentElement);
 const colour = (name) => colours.getPropertyValue(`--${name}`).trim();
 const parts = (name) => [1, 3, 5].map((at) => parseInt(colour(name).slice(at, at + 2), 16));
 const poses = {}; // by side: arms (rad), head (deg), and the message
+const others = {}; // the same of the robot that is drawn small, beside the own one
+const small = document.querySelector("#beside canvas");
 const camera = { azimuth: 0, elevation: 12 };
 let page = null; // { view, target, aim, grab, release, turned }
-let model = null, paint = null, drag = null, orbit = null, over = null, frame = 0, rest = 0;
+let drawnSmall = ""; // what is drawn small
+let model = null, paint = null, paintSmall = null, drag = null, orbit = null, over = null, frame = 0, rest = 0;
 
 export async function connectHead(own) {
   page = own;
   model = await (await fetch("/head.json")).json();
   const chip = hasGraphicsChip();
   const renew = () => { paint = chip ? webgl(canvas, model) : flat(canvas, model); changed(); };
+  paintSmall = flat(small, model);
   renew();
   canvas.addEventListener("webglcontextlost", (event) => event.preventDefault()); // a tablet that slept
   canvas.addEventListener("webglcontextrestored", renew);
@@ -54,10 +58,11 @@ function hasGraphicsChip() {
 export const seenFromFront = () => Math.cos(camera.azimuth / DEG) > 0;
 
 export function receivePose(data) {
-  const side = SIDES[new Uint8Array(data, 0, 1)[0]], message = new Float32Array(data.slice(1)).join();
-  if (poses[side]?.message === message) return;
+  const [number] = new Uint8Array(data, 0, 1), side = SIDES[number % 2], known = number < 2 ? poses : others;
+  const message = new Float32Array(data.slice(1)).join();
+  if (known[side]?.message === message) return;
   const [short, middle, long, yaw, pitch, roll] = new Float32Array(data.slice(1));
-  poses[side] = { message, arms: [short, middle, long], head: { yaw: yaw * DEG, pitch: pitch * DEG, roll: roll * DEG } };
+  known[side] = { message, arms: [short, middle, long], head: { yaw: yaw * DEG, pitch: pitch * DEG, roll: roll * DEG } };
   changed();
 }
 
@@ -92,6 +97,18 @@ function figures({ solid, shown, silent }, aims) {
   return found;
 }
 
+// Draws the robot beside the own one: the hardware solid, and its twin as a ghost where it is elsewhere.
+function drawSmall() {
+  const { hw, sim } = others, { clientWidth: width, clientHeight: height } = small;
+  const wanted = [page.view.you.beside, width, hw?.message, sim?.message].join(" ");
+  if (!page.view.you.beside || !width || !(hw ?? sim) || wanted === drawnSmall) return;
+  drawnSmall = wanted;
+  Object.assign(small, { width: width * devicePixelRatio, height: height * devicePixelRatio });
+  const found = [{ turns: turnsOf(hw ?? sim), tint: [0, 0, 0], share: 0, alpha: 1 }];
+  if (hw && sim && apart(hw.head, sim.head)) found.push({ turns: turnsOf(sim), tint: parts("sim"), ...GHOST });
+  paintSmall(found, screenOf({ azimuth: 0, elevation: 12 }, width, height));
+}
+
 function draw() {
   frame = 0;
   const { clientWidth: width, clientHeight: height } = marks, { head } = page.view;
@@ -103,6 +120,7 @@ function draw() {
   }
   const aims = Boolean(head.shown) && (drag !== null || apart(head.shown, page.target()));
   paint(figures(head, aims), screen);
+  drawSmall();
   const pen = marks.getContext("2d");
   pen.setTransform(ratio, 0, 0, ratio, 0, 0);
   pen.clearRect(0, 0, width, height);

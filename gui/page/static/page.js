@@ -211,6 +211,8 @@ function showYou(you) {
   byId("drive").classList.toggle("main", !you.drives);
   byId("name").hidden = you.drives || Boolean(you.name); // the seat of a class has a name
   document.body.classList.toggle("idle", !you.drives);
+  byId("beside").hidden = !you.beside;
+  byId("beside").ariaLabel = byId("beside").title = byId("beside").lastChild.textContent = you.beside;
   document.body.classList.toggle("own", you.name !== "" && you.seat === view.robot);
   set(byId("notice"), you.notice);
   byId("notice").hidden = !you.notice;
@@ -484,6 +486,7 @@ byId("stop").onclick = (event) => { if (!event.pointerType || event.detail === 0
 byId("drive").onclick = drive;
 byId("notice").onclick = () => { byId("notice").hidden = true; };
 byId("send").addEventListener("click", finishAim, true);
+byId("beside").onclick = () => send({ do: "ChooseRobot", name: view.you.beside });
 byId("robots").onchange = (event) => { event.target.blur(); send({ do: "ChooseRobot", name: event.target.value }); };
 const sendChoice = (name, value) => send({ do: "Choose", name, value });
 byId("language").onchange = (event) => sendChoice("language", event.target.value);
