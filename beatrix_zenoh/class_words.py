@@ -63,7 +63,7 @@ def renew(folder: Path, seat: str) -> Words:
 
 
 def seat_of(words: Words, typed: str) -> str:
-    """Return the seat whose word was typed; empty if it is nobody's. Takes as long for each text of the same length."""
+    """Return the seat whose word was typed; empty: it is the word of no seat. Takes as long for each text of the same length."""
     given = "".join(typed.split()).lower().encode()
     found = [seat for seat, word in words.words.items() if hmac.compare_digest(word.encode(), given)]
     return found[0] if found else ""

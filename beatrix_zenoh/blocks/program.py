@@ -176,10 +176,8 @@ def _parse(text: str) -> object:
     """
     values: list[list[object]] = [[]]
     ends: list[str] = []
-    for token in _TOKEN.finditer(
-        text
-    ):  # one by one: a quote that never ends raises before the next one is looked for
-        part = token[0]
+    for token in _TOKEN.finditer(text):
+        part = token[0]  # one by one: a quote that never ends raises before the next one is looked for
         if part in ("[", "{"):
             values.append([])
             ends.append("]" if part == "[" else "}")

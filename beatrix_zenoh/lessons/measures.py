@@ -37,6 +37,18 @@ class HeadCurves:
         return self.head[:, 2]
 
 
+def largest_tilt(seen: HeadCurves, direction: float, beside: float) -> float:
+    """Return the largest tilt (deg) of the head with its lowest side in a direction, at most `beside` (deg) away from it.
+
+    direction: in deg, 0 nose, 90 right ear.
+    """
+    pitch, roll = np.radians(seen.pitch), np.radians(seen.roll)
+    nose, ear = np.sin(pitch), np.cos(pitch) * np.sin(roll)
+    tilt = np.degrees(np.arctan2(np.hypot(nose, ear), np.cos(pitch) * np.cos(roll)))
+    away = (np.degrees(np.arctan2(ear, nose)) - direction + 180) % 360 - 180
+    return float(tilt[np.abs(away) <= beside].max(initial=0.0))
+
+
 def swings(values: Curve, least: float) -> list[float]:
     """Return the sizes of the movements between turning points, in order, those below `least` left out.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from functools import cache
 from typing import Final, Literal
 
 import msgspec
@@ -34,7 +33,6 @@ class LessonPage(msgspec.Struct, frozen=True):
     text: tuple[Paragraph, ...]
 
 
-@cache
 def lesson_pages(language: str) -> tuple[LessonPage, ...]:
     """Return all lessons for blocks in a language, in their order."""
     return tuple(_page(lesson) for lesson in block_lessons(language))

@@ -192,7 +192,9 @@ class Socket(Guarded, websocket.WebSocketHandler):
     def prepare(self) -> None:
         """Refuse browsers that are not logged in."""
         super().prepare()
-        if not self._finished and self.visitor is None:
+        self.valid = partial(self.context.login.visitor, self.ticket)
+        """returns None when the browser has to log in again"""
+        if not self._finished and self.valid() is None:
             self.reject(403, protection.NO_COOKIE)
 
     def send(self, message: str | bytes, *, binary: bool = False) -> asyncio.Future[None] | None:
@@ -215,9 +217,8 @@ class Live(Socket):
         self._count = 0
         self._second = time.monotonic()
         self.set_nodelay(True)
-        valid = partial(self.context.login.visitor, self.ticket)
         show, drives = lambda view: self.send(view.decode()), self.get_query_argument("watch", None) is None
-        self.face = self.hub.new_page(visitor, show, self.close, valid, drives=drives)
+        self.face = self.hub.new_page(visitor, show, self.close, self.valid, drives=drives)
         self.hub.poses.start(self.face, lambda pose: self.send(pose, binary=True))
 
     def on_close(self) -> None:
@@ -296,7 +297,7 @@ class Pictures(Socket):
             self._send_newest(int(message))
 
     def _send_newest(self, eye: int) -> None:
-        if self.visitor is None:  # its word was replaced
+        if self.valid() is None:  # its word was replaced
             self.close()
             return
         image = self._newest[eye]

@@ -87,9 +87,7 @@ class Hub:
 
     def robots(self, visitor: str) -> tuple[str, ...]:
         """Return the names of the robots that a browser may use."""
-        session = self._link.session
-        present = () if session is None else tuple(sorted({name for name, _ in session.monitor.present()}))
-        return self.login.robots(visitor, present)
+        return self.login.robots(visitor, self._link.names())
 
     def new_page(
         self,
@@ -117,8 +115,8 @@ class Hub:
         account = self.login.account(visitor)
         if account is not None:
             face.link = self._open(face, Settings(robot, account.connect, account.name, account=account))
-            if drives:
-                self._drive_own(face)
+        if drives:
+            self._drive_own(face)
         self.pages.add(face)
         return face
 
@@ -131,7 +129,7 @@ class Hub:
 
     def _drive_own(self, face: Face) -> None:
         """Let a pupil's page drive its own robot without a press."""
-        if face.robot == face.visitor:
+        if face.link is not None and face.robot == face.visitor:
             self.drive(face, "")
 
     def remove(self, face: Face) -> None:
@@ -150,12 +148,12 @@ class Hub:
         self._link.look()
         session = self._link.session
         shown = any(face.shows_class for face in self.pages)
-        states = robots_online(session) if shown else ()
+        states, present = robots_online(session) if shown else (), self._link.names()
         for face in list(self.pages):
             if session is not None and not face.due(session.monitor.changes(face.robot), time.monotonic()):
                 continue
             try:
-                robots = self.robots(face.visitor)
+                robots = self.login.robots(face.visitor, present)
                 if robots and not face.aimed and face.robot not in robots:
                     self.watch(face, robots[0])  # none was online when the page was opened
                 own = face.own_link
@@ -178,8 +176,7 @@ class Hub:
         if face.link is not None:
             face.link.do(ChooseRobot(robot))
         face.change(self._link.world(robot))
-        if face.link is not None:
-            self._drive_own(face)
+        self._drive_own(face)
 
     def _positions(self, robot: str, side: str) -> Positions | None:
         session = self._link.session

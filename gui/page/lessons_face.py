@@ -119,7 +119,7 @@ class Lessons:
             return
         with contextlib.suppress(
             BeatrixError
-        ):  # the files of a page are the teacher's concern: `means` says it
+        ):  # the files are the teacher's concern; a check says it in `means`
             workspace = Workspace(self._folder)
             record = workspace.record(lesson.name)
             record.next_hint(lesson)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -75,10 +76,8 @@ class Seats:
         self._looked_s = now_s
         stamp = self._stamp()
         if stamp != self._changed_ns:
-            try:
+            with contextlib.suppress(BeatrixError):
                 self._words, self._changed_ns = words.read(self.folder), stamp
-            except BeatrixError:
-                return
 
     def _stamp(self) -> int:
         try:

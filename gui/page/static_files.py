@@ -12,14 +12,9 @@ STATIC: Final = Path(__file__).parent / "static"
 TYPES: Final = {
     ".css": "text/css; charset=utf-8",
     ".js": "text/javascript; charset=utf-8",
-    ".json": "application/json",
     ".svg": "image/svg+xml",
     ".png": "image/png",
-    ".gif": "image/gif",
     ".cur": "image/x-icon",
-    ".mp3": "audio/mpeg",
-    ".ogg": "audio/ogg",
-    ".wav": "audio/wav",
 }
 """The suffixes of the files that are served."""
 

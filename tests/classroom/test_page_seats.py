@@ -43,7 +43,7 @@ def port(router: ClassRouter) -> Iterator[int]:
 
 @pytest.fixture
 def browsers(port: int, router: ClassRouter) -> Iterator[dict[str, WebClient]]:
-    """A browser of each seat, and one of nobody."""
+    """A browser of each seat, and one that is not logged in."""
     made = {seat: WebClient(port) for seat in ("ana", "ben", "teacher", "")}
     for seat, browser in made.items():
         browser.load()
@@ -248,12 +248,12 @@ def test_a_word_that_was_replaced_ends_its_pages(browsers: dict[str, WebClient],
 
 @pytest.mark.parametrize("typed", ["", "ana", "ana:", "../teacher", "x" * 5000, "<b>", "ana:abcdef"])
 def test_what_is_no_word_opens_no_page(browsers: dict[str, WebClient], typed: str) -> None:
-    nobody = browsers[""]
-    assert nobody.log_in(typed).code in (400, 403)
-    nobody.cookies |= {name: f"ana:{typed}" for name in nobody.cookies if name.startswith("beatrix")}
-    assert nobody.refusal()[0] == 403
-    assert "page.js" not in nobody.fetch("/").body.decode()
-    assert nobody.fetch("/stop", '{"do":"stop","robot":"ana","stop":"x"}').code == 403
+    stranger = browsers[""]
+    assert stranger.log_in(typed).code in (400, 403)
+    stranger.cookies |= {name: f"ana:{typed}" for name in stranger.cookies if name.startswith("beatrix")}
+    assert stranger.refusal()[0] == 403
+    assert "page.js" not in stranger.fetch("/").body.decode()
+    assert stranger.fetch("/stop", '{"do":"stop","robot":"ana","stop":"x"}').code == 403
 
 
 def test_a_room_behind_one_address_may_mistype(router: ClassRouter) -> None:

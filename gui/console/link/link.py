@@ -87,6 +87,10 @@ class Link:
         """The session with the router; None until a router answers."""
         return self._connection.session
 
+    def names(self) -> tuple[str, ...]:
+        """Return the names of the robots online, sorted."""
+        return self._connection.names()
+
     def world(self, robot: str = "") -> World:
         """Return the present world, by default of the selected robot; call it in one thread only, for a window Qt's."""
         connection, moving, program = self._connection, self.moving, self.moving.program

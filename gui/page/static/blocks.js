@@ -10,7 +10,6 @@ const NEW = { blocks: { languageVersion: 0, blocks: [{ type: "start", x: 24, y: 
 const LOST_MS = 20000; // time without a running program after which a lost connection has ended none
 const MARGIN = 20; // px between the edges and the first block
 const PARTS = ["yaw", "pitch", "roll"], ARMS = ["short", "middle", "long"];
-const GESTURES = ["yes", "no", "hello", "surprised", "sleepy", "curious", "dance"];
 const COLOURS = { move: "#2f6fd0", control: "#a85a00", values: "#2b7d3e", variables: "#a63d84" };
 // The blocks of each category, with the numbers of their inputs.
 const CATEGORIES = {
@@ -43,6 +42,7 @@ const unsaved = () => Boolean(workspace) && !open.owner && current() !== saved;
 function define() {
   const number = (name) => ({ type: "input_value", name, check: "Number" });
   const choice = (name, options, key) => ({ type: "field_dropdown", name, options: options.map((one) => [page.text(key(one)), one]) });
+  const gestures = page.view.gestures.gestures.map(([name]) => name);
   const part = (one) => (ARMS.includes(one) ? `arm.${one}` : `label.${one}`);
   const block = (type, args = [], more = {}) => ({
     type, message0: text(type), args0: args, tooltip: text(`${type}_tip`), style: "move_blocks",
@@ -54,7 +54,7 @@ function define() {
     ...["turn", "nod", "tilt"].map((type) => block(type, [number("ANGLE")])),
     block("home"),
     block("arm", [choice("ARM", ARMS, part), number("ANGLE")]),
-    block("gesture", [choice("NAME", GESTURES, (name) => `gesture.${name}`)]),
+    block("gesture", [choice("NAME", gestures, (name) => `gesture.${name}`)]),
     block("speed", [number("SPEED")]),
     block("wait", [number("SECONDS")], control),
     block("forever", [{ type: "input_dummy" }, { type: "input_statement", name: "DO" }], { ...control, ...last }),
@@ -104,7 +104,7 @@ const load = (file) => new Promise((done, fail) => {
 let loading = null;
 async function start() {
   if (!page.view.texts["page.block_start"] || byId("blocks").hidden) return;
-  if (language === page.view.language) return void (workspace && fit());
+  if (language === page.view.language) return void (workspace && Blockly.svgResize(workspace));
   language = page.view.language;
   try {
     await (loading ??= load("blockly_compressed").then(() => load("blocks_compressed")).then(adapt));
@@ -144,14 +144,10 @@ function inject() {
   workspace.addChangeListener(changed);
   workspace.registerToolboxCategoryCallback("VARIABLE", (own) => Blockly.Variables.flyoutCategory(own, false).map(
     (item) => (item.type === "variables_set" ? { ...item, inputs: shadows({ VALUE: 0 }) } : item)));
-  fit();
+  Blockly.svgResize(workspace);
   show(program ?? open.program);
   marked = "";
   if (page.view.blocks) showRun(page.view.blocks);
-}
-
-function fit() {
-  Blockly.svgResize(workspace);
 }
 
 // Shows a program in the editor; a program that cannot be shown leaves an empty one, and its file as it is.

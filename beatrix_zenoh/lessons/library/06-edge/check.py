@@ -9,7 +9,8 @@ import numpy as np
 
 from beatrix_zenoh.contract._generated.messages import EventKind, Phase, Reason
 from beatrix_zenoh.lessons import slips
-from beatrix_zenoh.lessons.attempt import Attempt, Seen
+from beatrix_zenoh.lessons.attempt import Attempt
+from beatrix_zenoh.lessons.measures import largest_tilt
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import leaning
 
@@ -42,15 +43,6 @@ def edge(direction: float) -> float:
     return TILT_MAX_DEG
 
 
-def largest(seen: Seen, direction: float) -> float:
-    """Return the largest tilt (deg) of the head with its lowest side in a direction (deg): 0 nose, 90 right ear."""
-    pitch, roll = np.radians(seen.pitch), np.radians(seen.roll)
-    nose, ear = np.sin(pitch), np.cos(pitch) * np.sin(roll)
-    tilt = np.degrees(np.arctan2(np.hypot(nose, ear), np.cos(pitch) * np.cos(roll)))
-    beside = (np.degrees(np.arctan2(ear, nose)) - direction + 180) % 360 - 180
-    return float(tilt[np.abs(beside) <= BESIDE_DEG].max(initial=0.0))
-
-
 def check(attempt: Attempt) -> None:
     """Compare the speeds with the derivatives, then look how far the head of a wide robot leans, without refusals."""
     for pitch in PITCHES:
@@ -65,5 +57,5 @@ def check(attempt: Attempt) -> None:
     )
     attempt.require("refused_motions", refused == 0, count=refused)
     for direction in DIRECTIONS:
-        tilt, true = largest(seen, direction), edge(direction)
+        tilt, true = largest_tilt(seen, direction, BESIDE_DEG), edge(direction)
         attempt.require("reached", tilt >= true - SHORT_OF_DEG, direction=direction, tilt=tilt, true=true)
