@@ -7,8 +7,7 @@ from typing import Annotated
 
 import typer
 
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.contract.errors import wrong_usage
 from beatrix_zenoh.motion import robot_file as values
 from beatrix_zenoh.node.serve import serve
 from beatrix_zenoh.output import note, say
@@ -100,12 +99,9 @@ def hw(
 def check_port(port: str, legacy: Path | None) -> None:
     """Raise WrongUsage (BAD_VALUE) for a virtual board without its colon, or a port that is for old programs, too."""
     if port == VIRTUAL.rstrip(":"):
-        raise WrongUsage(
-            Reason.BAD_VALUE, f"--port {port}: write `{VIRTUAL}` with a colon for a virtual board."
-        )
+        raise wrong_usage(f"--port {port}: write `{VIRTUAL}` with a colon for a virtual board.")
     if port and legacy is not None and Path(port).resolve() == legacy.resolve():
-        raise WrongUsage(
-            Reason.BAD_VALUE,
+        raise wrong_usage(
             f"--legacy {legacy} is the board's own port: choose a path that does not exist yet, for example /tmp/beatrix.",
         )
 

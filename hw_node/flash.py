@@ -15,7 +15,7 @@ from rich.progress import Progress
 
 from beatrix_zenoh import files
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage, quoted
+from beatrix_zenoh.contract.errors import NoAnswer, quoted, wrong_usage
 from beatrix_zenoh.output import note, print_json, say
 from beatrix_zenoh.shutdown import signals_interrupt
 from beatrix_zenoh.terminal.options import Json
@@ -45,7 +45,7 @@ def read_hex(path: Path) -> bytes:
     try:
         content = files.content(path, LONGEST_FILE, "Intel HEX").removeprefix(codecs.BOM_UTF8)
     except OSError as error:
-        raise WrongUsage(Reason.BAD_VALUE, f"{path} cannot be read: {error.strerror}.") from error
+        raise wrong_usage(f"{path} cannot be read: {error.strerror}.") from error
     image, base = bytearray(), 0
     kind: int | None = DATA
     for number, line in enumerate(map(bytes.strip, content.splitlines()), start=1):
@@ -58,13 +58,12 @@ def read_hex(path: Path) -> bytes:
         elif kind in SHIFTS and len(data) == 2:
             base = int.from_bytes(data, "big") << SHIFTS[kind]
         elif kind not in UNUSED:
-            raise WrongUsage(
-                Reason.BAD_VALUE,
+            raise wrong_usage(
                 f"{path}, line {number} is no record of Intel HEX for this board, whose addresses begin at 0, rise, and "
                 f"end at {FLASH:#x}: {quoted(line.decode(errors='replace'))}.",
             )
     if kind != END or not image:
-        raise WrongUsage(Reason.BAD_VALUE, f"{path} is incomplete: it has no data or no end record.")
+        raise wrong_usage(f"{path} is incomplete: it has no data or no end record.")
     return bytes(image)
 
 
@@ -137,8 +136,7 @@ def flash(
     """Write the firmware to the board, in about ten seconds. Hold the head: the motors switch off."""
     image, state = read_hex(file), UNTOUCHED
     if port.startswith(VIRTUAL.rstrip(":")):
-        raise WrongUsage(
-            Reason.BAD_VALUE,
+        raise wrong_usage(
             f"--port {port} is a virtual board, which cannot be flashed. Name a serial port.",
         )
     console = Console(stderr=True)

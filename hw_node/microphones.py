@@ -19,7 +19,7 @@ import numpy.typing as npt
 from beatrix_zenoh import wav
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage, quoted
+from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage, quoted, wrong_usage
 from beatrix_zenoh.node import Component, Node, SensorFrame, microphones_publisher, sound_block
 from beatrix_zenoh.node.sensors import (
     BEHIND,
@@ -76,7 +76,7 @@ def choose(word: str) -> SensorSource | None:
 
 def wrong(word: str, text: str) -> WrongUsage:
     """Return the error for a value of --microphones."""
-    return WrongUsage(Reason.BAD_VALUE, f"--microphones {quoted(word)}: {text}")
+    return wrong_usage(f"--microphones {quoted(word)}: {text}")
 
 
 def tone() -> Frames:
@@ -141,7 +141,7 @@ def library() -> ModuleType:
             'Microphones need sounddevice, pip install ".[sound]" in the folder of BEATRIX, and the system library '
             "PortAudio, on Linux `sudo apt install libportaudio2`."
         )
-        raise WrongUsage(Reason.BAD_VALUE, text) from error
+        raise wrong_usage(text) from error
     return cast("ModuleType", sounddevice)
 
 

@@ -16,9 +16,8 @@ import mujoco
 from beatrix_zenoh import threads
 from beatrix_zenoh.body.figure import Figure, mechanism
 from beatrix_zenoh.bus import Sessions
-from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import bad_value
 from beatrix_zenoh.node import Component
 from sim_node.model import scene_spec
 from sim_node.painter import PosedModel, SceneState
@@ -45,8 +44,7 @@ class SceneViewer(Component):
         try:
             self._process.open()
         except OSError as error:
-            raise Refused(
-                Reason.BAD_VALUE,
+            raise bad_value(
                 "--view: no window can be opened, because there is no display or the display has no OpenGL. Omit "
                 "--view: the simulation and its eyes need no display.",
             ) from error

@@ -6,7 +6,7 @@ import socket
 import struct
 
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage, quoted
+from beatrix_zenoh.contract.errors import NoAnswer, quoted, wrong_usage
 from beatrix_zenoh.output import typed
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 
@@ -100,8 +100,7 @@ def parse_endpoint(endpoint: str) -> tuple[str, str, int]:
     number = int(port) if port.isascii() and port.isdigit() else PORT_MAX + 1
     resolvable = all(0 < len(label) < 64 for label in host.split(".")) and host.isprintable()
     if protocol not in PROTOCOLS or not resolvable or number > PORT_MAX:
-        raise WrongUsage(
-            Reason.BAD_VALUE,
+        raise wrong_usage(
             f"{quoted(endpoint)} is not an endpoint. Write protocol/host:port, for example tcp/127.0.0.1:7447; "
             f"the protocol is {' or '.join(PROTOCOLS)}.",
         )

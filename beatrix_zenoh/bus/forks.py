@@ -10,8 +10,7 @@ import os
 from typing import Final, NoReturn, Self
 from weakref import WeakSet
 
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.contract.errors import wrong_usage
 
 CURE: Final = (
     'Start the child with the start method "spawn", for example with multiprocessing.get_context("spawn"), and create '
@@ -31,8 +30,7 @@ def opening() -> None:
     Raises WrongUsage (BAD_VALUE) in a process that was forked after its parent had opened one.
     """
     if _Opened.pid not in (0, os.getpid()):
-        raise WrongUsage(
-            Reason.BAD_VALUE,
+        raise wrong_usage(
             f"This process cannot connect, because process {_Opened.pid}, from which it was forked, has connected "
             f"before. {CURE}",
         )
@@ -54,8 +52,7 @@ class ProcessBound:
         return _Opened.pid not in (0, os.getpid())
 
     def __reduce_ex__(self, _protocol: object) -> NoReturn:
-        raise WrongUsage(
-            Reason.BAD_VALUE,
+        raise wrong_usage(
             f"{type(self).__name__} works only in the process that created it, so it can neither be copied nor passed "
             f"to another process: pass the robot's name. {CURE}",
         )
@@ -76,8 +73,7 @@ class Inherited(ProcessBound):
         self._refuse()
 
     def _refuse(self) -> NoReturn:
-        raise WrongUsage(
-            Reason.BAD_VALUE,
+        raise wrong_usage(
             f"{self._class} works only in the process that created it: this process was forked from process "
             f"{_Opened.pid}. {CURE}",
         )

@@ -24,7 +24,7 @@ from beatrix_zenoh.contract._generated.messages import (
     SoundQuery,
     TargetQuery,
 )
-from beatrix_zenoh.contract.errors import QUOTED, Refused, quoted
+from beatrix_zenoh.contract.errors import QUOTED, Refused, bad_value, quoted
 from beatrix_zenoh.contract.refusals import COMMANDS, bad_field
 
 M = TypeVar("M", bound=msgspec.Struct)
@@ -97,17 +97,16 @@ def read(raw: RawQuery, kind: type[M]) -> M:
     try:
         text = raw.payload.decode().strip()
     except UnicodeDecodeError as error:
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"The payload is neither text nor marked as msgpack (encoding {codec.MSGPACK}). {usage(kind)}",
         ) from error
     if text.startswith(("{", "[")):
         return _with_angle(codec.decode_json(text.encode(), kind), raw)
     if text:
-        raise Refused(Reason.BAD_VALUE, f"The payload {quoted(text[:QUOTED])} is no JSON. {usage(kind)}")
+        raise bad_value(f"The payload {quoted(text[:QUOTED])} is no JSON. {usage(kind)}")
     parameters = _parameters(raw.parameters)
     if not parameters:
-        raise Refused(Reason.BAD_VALUE, f"Empty query. {usage(kind)}")
+        raise bad_value(f"Empty query. {usage(kind)}")
     return _with_angle(codec.from_text(_nested(parameters, kind), kind), raw)
 
 
@@ -122,7 +121,7 @@ def _check_length(raw: RawQuery) -> None:
     """Raise Refused (BAD_VALUE) for a request so long that decoding it would delay other requests."""
     length = max(len(raw.payload), len(raw.parameters))
     if length > LENGTH_MAX:
-        raise Refused(Reason.BAD_VALUE, f"The request has {length} bytes; at most {LENGTH_MAX} are allowed.")
+        raise bad_value(f"The request has {length} bytes; at most {LENGTH_MAX} are allowed.")
 
 
 def usage(kind: type[msgspec.Struct]) -> str:

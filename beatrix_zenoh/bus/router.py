@@ -30,8 +30,7 @@ from beatrix_zenoh.bus.transport import (
     opened,
 )
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.contract.errors import wrong_usage
 
 LOG = logging.getLogger("beatrix_zenoh.bus")
 DESCRIPTORS = Path("/proc/self/fd" if sys.platform == "linux" else "/dev/fd")
@@ -62,8 +61,7 @@ def open_router(listen: str, access: RouterAccess | None = None) -> zenoh.Sessio
         NoAnswer: NO_ROUTER, the endpoint is in use.
     """
     if not is_local(listen):
-        raise WrongUsage(
-            Reason.BAD_VALUE,
+        raise wrong_usage(
             f"Cannot listen at {listen}: this is the address of another computer. A router can listen at 127.0.0.1 "
             "(for this computer only), at 0.0.0.0 or [::] (for all), or at one of this computer's own addresses. "
             "For a class, correct `addresses` in class.toml and run `beatrix classroom init class.toml` again.",

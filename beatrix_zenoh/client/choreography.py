@@ -22,8 +22,8 @@ from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.stopping import StopEvents
 from beatrix_zenoh.client.twin import Plan, Twin
 from beatrix_zenoh.client.twin_motion import ended, runs, stopped
-from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason, Source
-from beatrix_zenoh.contract.errors import WrongUsage, naming
+from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Source
+from beatrix_zenoh.contract.errors import naming, wrong_usage
 
 SHIPPED = resources.files("beatrix_zenoh") / "choreographies"
 GESTURES: Final = ("yes", "no", "hello", "surprised", "sleepy", "curious", "dance")
@@ -117,8 +117,7 @@ def load(name: Path | str) -> Choreography:
         return choreography(motion_file.read(path))
     except OSError as error:
         names = ", ".join(sorted(entry.name.removesuffix(".csv") for entry in SHIPPED.iterdir()))
-        raise WrongUsage(
-            Reason.BAD_VALUE,
+        raise wrong_usage(
             f"{path} cannot be read: {error.strerror}. Name a file, or a shipped choreography: {names}.",
         ) from error
 
@@ -126,8 +125,7 @@ def load(name: Path | str) -> Choreography:
 def choreography(read: MotionFile) -> Choreography:
     """Return the choreography in a motion file; raises WrongUsage (BAD_VALUE) for a path or a missing speed."""
     if not read.with_speed:
-        raise WrongUsage(
-            Reason.BAD_VALUE,
+        raise wrong_usage(
             f"{read.source} has no column {SPEED}, so it is a path: play it with `beatrix replay`.",
         )
     speed, title = read.points[0].speed, Path(read.source).stem
@@ -152,7 +150,7 @@ def checked_speed(speed: float) -> float:
     """Return the speed (deg/s); raise WrongUsage unless it is above 0 and fits into a message."""
     pose_query(0, 0, 0, relative=False, speed=speed)
     if speed <= 0:
-        raise WrongUsage(Reason.BAD_VALUE, f"speed is {speed:g}: give a number of degrees/s above 0.")
+        raise wrong_usage(f"speed is {speed:g}: give a number of degrees/s above 0.")
     return speed
 
 
@@ -184,8 +182,7 @@ def play(
     """
     lead_s = checked_seconds("lead_s", lead_s, zero=True)
     if lead_s and (lockstep or isinstance(robots, Robot)):
-        raise WrongUsage(
-            Reason.BAD_VALUE,
+        raise wrong_usage(
             "lead_s is allowed only for both robots without lockstep: leave lead_s out.",
         )
     if lockstep and not isinstance(robots, Robot):

@@ -25,11 +25,10 @@ from beatrix_zenoh.contract._generated.messages import (
     PoseQuery,
     Positions,
     PreviewReply,
-    Reason,
     Vector3,
 )
 from beatrix_zenoh.contract._generated.robot import ROBOT, SIZES, GeometryData, LimitsData, RobotData
-from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
+from beatrix_zenoh.contract.errors import BeatrixError, wrong_usage
 from beatrix_zenoh.motion.kinematics import Neck
 
 if TYPE_CHECKING:
@@ -198,8 +197,7 @@ def per_arm(speed: Speed) -> Sequence[float]:
     if not isinstance(speed, Sequence) or isinstance(speed, str):
         return (speed,) * 3
     if len(speed) != 3:
-        raise WrongUsage(
-            Reason.BAD_VALUE,
+        raise wrong_usage(
             f"speed has {len(speed)} numbers: give one for all arms, or three: short, middle, long.",
         )
     return speed
@@ -213,15 +211,15 @@ def to_rad(what: str, angle: float, unit: str = "degrees") -> float:
 def checked_number(what: str, value: float, unit: str) -> float:
     """Return the value as a float; raise WrongUsage unless it is a finite number that fits into a message."""
     if not isinstance(value, Real) or isinstance(value, bool):
-        raise WrongUsage(Reason.BAD_VALUE, f"{what} is {value!r}: give a number of {unit}.")
+        raise wrong_usage(f"{what} is {value!r}: give a number of {unit}.")
     try:
         finite = float(value)
     except OverflowError:  # an integer of more than 308 digits
         finite = math.inf
     if not math.isfinite(finite):
-        raise WrongUsage(Reason.BAD_VALUE, f"{what} is {finite:g}: give a finite number of {unit}.")
+        raise wrong_usage(f"{what} is {finite:g}: give a finite number of {unit}.")
     if not codec.fits(finite):
-        raise WrongUsage(Reason.BAD_VALUE, f"{what} is {finite:g}: numbers up to 3.4e38 are allowed.")
+        raise wrong_usage(f"{what} is {finite:g}: numbers up to 3.4e38 are allowed.")
     return finite
 
 
@@ -234,7 +232,7 @@ def true_or_false(what: str, on: bool) -> bool:  # noqa: FBT001
     """Return `on`; raises WrongUsage unless it is a bool, because the text "no" would count as true."""
     if isinstance(on, bool):
         return on
-    raise WrongUsage(Reason.BAD_VALUE, f"{what} is {on!r}: give True or False.")
+    raise wrong_usage(f"{what} is {on!r}: give True or False.")
 
 
 def checked_seconds(what: str, value: float, *, zero: bool = False) -> float:
@@ -247,15 +245,14 @@ def checked_seconds(what: str, value: float, *, zero: bool = False) -> float:
     ):
         return float(value)
     allowed = f"from 0 to {DAY_S:.0f}" if zero else f"above 0, at most {DAY_S:.0f}"
-    raise WrongUsage(Reason.BAD_VALUE, f"{what} is {value!r}: give a number of seconds {allowed}.")
+    raise wrong_usage(f"{what} is {value!r}: give a number of seconds {allowed}.")
 
 
 def checked_factor(factor: float) -> float:
     """Return a speed factor; raises WrongUsage (BAD_VALUE) unless it is from SLOWEST to FASTEST."""
     if SLOWEST <= factor <= FASTEST:  # false for NaN
         return factor
-    raise WrongUsage(
-        Reason.BAD_VALUE,
+    raise wrong_usage(
         f"The speed factor is {factor:g}: give a number from {SLOWEST:g} to {FASTEST:g}, for example 0.5.",
     )
 
@@ -305,8 +302,7 @@ def bearing(x: float, y: float, z: float) -> tuple[float, float]:
     away = math.hypot(x, y)
     distance = math.hypot(away, z)
     if distance <= EYE_UP_M or away == 0.0:
-        raise WrongUsage(
-            Reason.BAD_VALUE,
+        raise wrong_usage(
             f"The place is {distance:.2f} m from the neck's centre, in or straight above the head: choose one further "
             "away, for example look_at(1, 0, 0.16).",
         )

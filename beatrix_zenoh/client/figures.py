@@ -6,8 +6,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 from beatrix_zenoh.colours import ARMS, AXES, hexadecimal
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.contract.errors import wrong_usage
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,7 +30,7 @@ def time_figure(
         from matplotlib.figure import Figure  # noqa: PLC0415  # only where a figure is made
     except ModuleNotFoundError as error:
         text = "plot() needs the package matplotlib, which the extra `plot` contains: pip install matplotlib"
-        raise WrongUsage(Reason.BAD_VALUE, text) from error
+        raise wrong_usage(text) from error
     figure = Figure(figsize=(WIDTH_IN, 5.5), layout="constrained")
     panels = figure.subplots(2, 1, sharex=True)
     parts = ("arms", arms, dashed[0], ARMS), ("head", head, dashed[1], AXES)

@@ -18,7 +18,7 @@ from beatrix_zenoh.client.subscription import SILENCE_S
 from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LeaseAction, LeaseQuery, LeaseReply, Reason, Status
-from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, WrongUsage
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, wrong_usage
 
 ANSWER_S = 2.0
 """Time limit (s) of the reply of each robot."""
@@ -127,8 +127,7 @@ def _again(robot: RobotBase, query: LeaseQuery) -> bool:
 def limit_of(speed: float) -> float:
     """Return a speed limit in rad/s from one in deg/s; raises WrongUsage (BAD_VALUE) unless it is above 0."""
     if checked_number("speed", speed, "deg/s") <= 0:
-        raise WrongUsage(
-            Reason.BAD_VALUE,
+        raise wrong_usage(
             f"A speed limit of {speed:g}°/s is not allowed: give more than 0. `beatrix freeze` stops all robots; "
             "`beatrix limit off` ends the limit.",
         )

@@ -22,8 +22,8 @@ from beatrix_zenoh.client.slips import Suggesting
 from beatrix_zenoh.client.subscription import SILENCE_S, Arrival, Subscription, events, message, same
 from beatrix_zenoh.colours import ARMS, AXES
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Event, Positions, Reason
-from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
+from beatrix_zenoh.contract._generated.messages import Event, Positions
+from beatrix_zenoh.contract.errors import BeatrixError, wrong_usage
 
 if TYPE_CHECKING:
     from beatrix_zenoh.client.figures import Figure
@@ -155,7 +155,7 @@ class Log(ProcessBound, Closable, Suggesting):
         self._check_closed()
         file = Path(path)
         if file.suffix.lower() != ".csv":
-            raise WrongUsage(Reason.BAD_VALUE, f"{file} does not end with .csv: save writes a CSV file.")
+            raise wrong_usage(f"{file} does not end with .csv: save writes a CSV file.")
         with file.open("w", newline="", encoding="utf-8") as out:
             writer = csv.writer(out)
             writer.writerow(HEADS)
@@ -164,7 +164,7 @@ class Log(ProcessBound, Closable, Suggesting):
 
     def _check_closed(self) -> None:
         if "t" not in vars(self):
-            raise WrongUsage(Reason.BAD_VALUE, OPEN)
+            raise wrong_usage(OPEN)
 
     if not TYPE_CHECKING:
 

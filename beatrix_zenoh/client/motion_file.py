@@ -15,7 +15,7 @@ from beatrix_zenoh import files
 from beatrix_zenoh.client.degrees import DAY_S, ArmAngles, HeadAngles
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import WrongUsage, quoted
+from beatrix_zenoh.contract.errors import WrongUsage, quoted, wrong_usage
 
 LONGEST_FILE: Final = 1 << 23
 """Largest size of a file (bytes): four hours at 20 points per second."""
@@ -90,8 +90,7 @@ def parse(text: str, source: str) -> MotionFile:
     """
     lines = [(number, line) for number, line in enumerate(LINE_END.split(text), 1) if counts(line)]
     if not lines:
-        raise WrongUsage(
-            Reason.BAD_VALUE,
+        raise wrong_usage(
             f"{source}: begin with the names of the columns, {','.join((TIME, *HEAD))}. {FORM}",
         )
     (number, first), *rest = lines
@@ -105,9 +104,7 @@ def parse(text: str, source: str) -> MotionFile:
             check_order(points[-1].t if points else 0.0, point.t)
         points.append(point)
     if not points:
-        raise WrongUsage(
-            Reason.BAD_VALUE, f"{source}: there are no points: add lines such as 0.5,10,-5,0. {FORM}"
-        )
+        raise wrong_usage(f"{source}: there are no points: add lines such as 0.5,10,-5,0. {FORM}")
     return MotionFile(source, tuple(points), SPEED in names)
 
 

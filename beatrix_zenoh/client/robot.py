@@ -33,11 +33,10 @@ from beatrix_zenoh.contract._generated.messages import (
     MotionReply,
     PoseQuery,
     PreviewReply,
-    Reason,
     Source,
 )
 from beatrix_zenoh.contract._generated.robot import ALLOWED
-from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
+from beatrix_zenoh.contract.errors import BeatrixError, Refused, wrong_usage
 
 LONGEST_WAY_DEG = 720.0
 """Upper bound of one arm's travel: the head turns 180 deg to each side, and arms stay between their neighbours."""
@@ -165,7 +164,7 @@ class Robot(RobotWithRoom, Movable[Motion, Preview]):
             text = (
                 f"Hardware has no preview: use Robot({self.name!r}).preview(...), which asks its simulation."
             )
-            raise WrongUsage(Reason.BAD_VALUE, text)
+            raise wrong_usage(text)
         return preview_of(self.try_out(query))
 
     def try_out(self, query: MotionQuery | PoseQuery) -> PreviewReply:

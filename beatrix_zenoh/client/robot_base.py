@@ -30,14 +30,13 @@ from beatrix_zenoh.contract._generated.messages import (
     Events,
     Info,
     Positions,
-    Reason,
     SoundQuery,
     SoundReply,
     Status,
     TargetQuery,
     TargetReply,
 )
-from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage
+from beatrix_zenoh.contract.errors import BeatrixError, wrong_usage
 from beatrix_zenoh.contract.rows import KeyRow
 from beatrix_zenoh.contract.values import values
 from beatrix_zenoh.settings import resolve
@@ -81,7 +80,7 @@ class RobotBase(ProcessBound, Closable, Suggesting):
     ) -> None:
         side = side or os.environ.get("BEATRIX_SIDE") or "sim"
         if side not in names.SIDES:
-            raise WrongUsage(Reason.BAD_VALUE, f"side={side!r}: choose 'sim' or 'hw'.")
+            raise wrong_usage(f"side={side!r}: choose 'sim' or 'hw'.")
         self.side, self.timeout_s = side, checked_seconds("timeout_s", timeout_s)
         self._shared = client is not None
         self.client = Client(resolve(name, connect, who)) if client is None else client
@@ -225,7 +224,7 @@ class RobotWithRoom(RobotBase):
         if x is None and y is None and z is None:
             return self._ask_room(keys.sound, SoundQuery(mouth=True), SoundReply)
         if x is None or y is None or z is None:
-            raise WrongUsage(Reason.BAD_VALUE, "A place needs x, y and z (m); without any, it is the mouth.")
+            raise wrong_usage("A place needs x, y and z (m); without any, it is the mouth.")
         x, y, z = checked_place(x, y, z)
         return self._ask_room(keys.sound, SoundQuery(x=x, y=y, z=z), SoundReply)
 

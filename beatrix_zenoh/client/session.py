@@ -25,7 +25,7 @@ from beatrix_zenoh.bus import CLOSED, Bus, Incoming, ProcessBound, Received, Rep
 from beatrix_zenoh.contract import codec, printable
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason, Source
-from beatrix_zenoh.contract.errors import NoAnswer, Refused, WrongUsage
+from beatrix_zenoh.contract.errors import NoAnswer, Refused, WrongUsage, bad_value
 from beatrix_zenoh.settings import Settings
 
 LOG = logging.getLogger("beatrix_zenoh.client")
@@ -271,8 +271,7 @@ def only_name(present: Collection[Place], endpoint: str) -> str:
             f"No robot is online at {endpoint}. Start a simulation with `beatrix sim` or `beatrix up`.",
         )
     if len(found) > 1:
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"Several robots are online: {', '.join(found)}. Choose one: with its name in a program, such as "
             f'Robot("{found[0]}"), with --name {found[0]} in a command, or with BEATRIX_ROBOT.',
         )

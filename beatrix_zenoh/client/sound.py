@@ -20,8 +20,8 @@ from beatrix_zenoh.client.degrees import checked_number
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.subscription import Arrival, Subscription
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Reason, SoundHeader
-from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.contract._generated.messages import SoundHeader
+from beatrix_zenoh.contract.errors import wrong_usage
 
 SILENCE_S: Final = 5.0
 """Time limit (s) for a block of sound; a device may need seconds for the first one."""
@@ -206,7 +206,7 @@ class Microphones(Subscription[Sound]):
         """
         if not 0 < checked_number("seconds", seconds, "s") <= LONGEST_S:
             text = f"seconds is {seconds:g}: give more than 0, at most {LONGEST_S:g} s; for longer, iterate over robot.microphones()."
-            raise WrongUsage(Reason.BAD_VALUE, text)
+            raise wrong_usage(text)
         first = self.next()
         wanted = max(1, round(seconds * first.rate))
         blocks, end_ns = [first], first.t_mono_ns + wanted * 1e9 / first.rate
@@ -231,7 +231,7 @@ def mono(path: Path) -> bytes:
         text = (
             f"{path} cannot be played: {why}. Give a WAV file of {wav.READABLE}, at most {SENT_S:g} s long."
         )
-        raise WrongUsage(Reason.BAD_VALUE, text) from error
+        raise wrong_usage(text) from error
     at = np.arange(round(len(frames) * SENT_HZ / rate)) * (rate / SENT_HZ)
     heard = np.interp(at, np.arange(len(frames)), frames.mean(axis=1))
     samples: npt.NDArray[np.int16] = np.rint(heard).astype("<i2")

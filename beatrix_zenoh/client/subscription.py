@@ -18,7 +18,7 @@ from beatrix_zenoh.client.slips import Suggesting
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, FrameHeader, Positions, Reason, Status
-from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage, quoted
+from beatrix_zenoh.contract.errors import NoAnswer, quoted, wrong_usage
 from beatrix_zenoh.contract.names import view_title
 
 if TYPE_CHECKING:  # numpy would delay every verb
@@ -327,12 +327,12 @@ class CameraImage(FrameHeader, frozen=True, kw_only=True):
             import simplejpeg  # noqa: PLC0415 - in the extras `sim` and `hw`
         except ModuleNotFoundError as error:
             text = "array() needs the package simplejpeg, which the extras `sim` and `hw` contain: pip install simplejpeg"
-            raise WrongUsage(Reason.BAD_VALUE, text) from error
+            raise wrong_usage(text) from error
         try:
             pixels: Pixels = simplejpeg.decode_jpeg(self.jpeg)
         except ValueError as error:
             text = f"{self}: its JPEG data are damaged ({error}): take the next picture."
-            raise WrongUsage(Reason.BAD_VALUE, text) from error
+            raise wrong_usage(text) from error
         return pixels
 
 
@@ -353,10 +353,10 @@ def images(
     """
     if eye not in names.VIEWS:
         choice = "choose 'left' or 'right', or 'outside' for a simulation as seen from outside"
-        raise WrongUsage(Reason.BAD_VALUE, f"There is no eye {quoted(eye)}: {choice}.")
+        raise wrong_usage(f"There is no eye {quoted(eye)}: {choice}.")
     if eye == names.OUTSIDE and side == "hw":
         text = "Only simulations draw an outside view: choose the side 'sim', or the eye 'left' or 'right'."
-        raise WrongUsage(Reason.BAD_VALUE, text)
+        raise wrong_usage(text)
     key = keys.camera(robot, side, eye)
     return Subscription(client, key, image, timeout_s=timeout_s, length=length, bus=client.media)
 

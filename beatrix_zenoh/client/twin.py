@@ -24,7 +24,7 @@ from beatrix_zenoh.client.stopping import stop_robots
 from beatrix_zenoh.client.twin_motion import REPLACED, TwinMotion, furthest
 from beatrix_zenoh.client.twin_state import PlanPosition, check_seat, plan_position
 from beatrix_zenoh.contract._generated.messages import Info, MotionQuery, PoseQuery, PreviewReply, Reason
-from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer, Refused, naming
+from beatrix_zenoh.contract.errors import BeatrixError, Interrupted, NoAnswer, Refused, bad_value, naming
 
 if TYPE_CHECKING:
     from beatrix_zenoh.client.figures import Figure
@@ -168,7 +168,7 @@ class Plan(ProcessBound):
 
     def _check_open(self) -> None:
         if self._settled:
-            raise Refused(Reason.BAD_VALUE, f"This plan was {self._settled} already: make a new preview.")
+            raise bad_value(f"This plan was {self._settled} already: make a new preview.")
 
     def plot(self) -> Figure:
         """Return a figure of the path; needs the extra `plot`."""
@@ -253,8 +253,7 @@ class Twin(ProcessBound, Closable, Movable[TwinMotion, Plan]):
         during = motion if motion is not None and motion.running() else None
         start = self._start()
         if not query.absolute and (apart := distance(start)) > SAME_DEG:
-            raise Refused(
-                Reason.BAD_VALUE,
+            raise bad_value(
                 f"The robots stand {apart:.1f}° apart, so a relative motion would leave them apart: move both to "
                 "the same position first, with home or with a motion that is not relative.",
             )

@@ -8,8 +8,7 @@ import socket
 import unicodedata
 
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import WrongUsage, quoted
+from beatrix_zenoh.contract.errors import quoted, wrong_usage
 
 LATIN = str.maketrans(
     {"ß": "ss", "æ": "ae", "œ": "oe", "ø": "o", "ł": "l", "đ": "d", "ð": "d", "þ": "th", "ı": "i"}
@@ -40,8 +39,7 @@ def check_name(text: str, what: str = "robot") -> str:
     text = str(text)  # programs may pass a number
     if PATTERN.fullmatch(text):
         return text
-    raise WrongUsage(
-        Reason.BAD_VALUE,
+    raise wrong_usage(
         f"{quoted(text)} is not a {what} name: 1 to 32 of a-z, 0-9 and - are allowed, for example {tidy(text, f'{what}1')!r}.",
     )
 
@@ -49,9 +47,7 @@ def check_name(text: str, what: str = "robot") -> str:
 def check_seat(text: str) -> str:
     """Return `text` if it is a valid seat of a client; raises WrongUsage (BAD_VALUE) for invalid or reserved names."""
     if text in (OLD_PROGRAMS, ARM_TOPICS):
-        raise WrongUsage(
-            Reason.BAD_VALUE, f"The seat {text!r} is reserved for programs without a seat: choose another."
-        )
+        raise wrong_usage(f"The seat {text!r} is reserved for programs without a seat: choose another.")
     return check_name(text, "seat")
 
 

@@ -23,7 +23,7 @@ from typing import Final, NamedTuple
 
 from beatrix_zenoh.contract._generated.messages import Detail, Limit, Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT, GeometryData
-from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from beatrix_zenoh.contract.errors import BeatrixError, Refused, bad_value
 from beatrix_zenoh.motion.gear import Arms
 from beatrix_zenoh.motion.rotation import (
     Rotation,
@@ -84,7 +84,7 @@ class Neck:
         """Raise Refused (BAD_VALUE) for a wrong `hand`, or a neck that does not close upright or cannot move there."""
         a1, a2, b = (math.radians(x) for x in (geometry.arm_angle, geometry.rod_twist, geometry.mount_angle))
         if geometry.hand not in {-1, 1}:
-            raise Refused(Reason.BAD_VALUE, f"Hand is {geometry.hand}; it must be +1 or -1.")
+            raise bad_value(f"Hand is {geometry.hand}; it must be +1 or -1.")
         self.geometry = geometry
         self._hand = geometry.hand
         self._s1, self._c1, self._c2 = math.sin(a1), math.cos(a1), math.cos(a2)
@@ -105,9 +105,7 @@ class Neck:
         """Tilt (rad) that the head can reach in every direction, without regard to arm gaps."""
         self._home = _linearise(self._mounts, self._elbows((0.0, 0.0, 0.0)), self._c2)
         if self.reach <= 0 or abs(self._home.det) < 1e-6:
-            raise Refused(
-                Reason.BAD_VALUE, f"A neck of {geometry} cannot move from upright. Check its angles."
-            )
+            raise bad_value(f"A neck of {geometry} cannot move from upright. Check its angles.")
         self._frame = inverse_of_columns(x, y, cross(x, y))
 
     def _mount_offset(self, mount_angle: float) -> float:
@@ -115,8 +113,7 @@ class Neck:
         divisor = self._s1 * math.sin(mount_angle)
         cosine = (self._c2 + self._c1 * math.cos(mount_angle)) / divisor if divisor else math.inf
         if abs(cosine) >= 1:
-            raise Refused(
-                Reason.BAD_VALUE,
+            raise bad_value(
                 f"A neck of {self.geometry} does not close upright; rod_twist must lie strictly between "
                 "|180° - mount_angle - arm_angle| and 180° - mount_angle + arm_angle.",
             )
@@ -130,8 +127,7 @@ class Neck:
         BAD_VALUE, OUT_OF_REACH.
         """
         if not math.isfinite(yaw + pitch + roll):
-            raise Refused(
-                Reason.BAD_VALUE,
+            raise bad_value(
                 f"Yaw {yaw}, pitch {pitch}, roll {roll}: all three must be finite angles in rad.",
             )
         if abs(pitch) >= math.pi / 2 or abs(roll) >= math.pi / 2:

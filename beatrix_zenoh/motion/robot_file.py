@@ -14,7 +14,7 @@ from beatrix_zenoh import files
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ALLOWED, ROBOT, RobotData
-from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage, quoted
+from beatrix_zenoh.contract.errors import BeatrixError, Refused, bad_value, quoted, wrong_usage
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.limits import TILT_KNOWN_BEYOND, MotionLimits, known_tilt
 from beatrix_zenoh.motion.rotation import leaning
@@ -54,7 +54,7 @@ def load(path: Path | None) -> RobotData:
     try:
         given = files.toml(path, LONGEST_FILE, called)
     except OSError as error:
-        raise WrongUsage(Reason.BAD_VALUE, f"{called} cannot be read: {error}.") from error
+        raise wrong_usage(f"{called} cannot be read: {error}.") from error
     try:
         fields = set()
         for table, field, value in entries(given, tables):
@@ -64,7 +64,7 @@ def load(path: Path | None) -> RobotData:
         check(robot, fields)
         check_motions(robot)
     except (Refused, msgspec.ValidationError) as error:
-        raise WrongUsage(Reason.BAD_VALUE, f"{path}: {error}") from error
+        raise wrong_usage(f"{path}: {error}") from error
     return robot
 
 
@@ -80,17 +80,14 @@ def entries(given: dict[str, object], known: Tables) -> Iterator[tuple[str, str,
     """
     for table, values in given.items():
         if table not in known or not isinstance(values, dict):
-            raise Refused(
-                Reason.BAD_VALUE, f"{quoted(table)} is not a table. The tables are: {', '.join(known)}."
-            )
+            raise bad_value(f"{quoted(table)} is not a table. The tables are: {', '.join(known)}.")
         for field, value in values.items():
             if field not in known[table]:
-                raise Refused(
-                    Reason.BAD_VALUE,
+                raise bad_value(
                     f"[{table}] has no {quoted(field)}. Its fields are: {', '.join(known[table])}.",
                 )
             if field not in ALLOWED[table]:
-                raise Refused(Reason.BAD_VALUE, f"[{table}] {field} {FIXED}")
+                raise bad_value(f"[{table}] {field} {FIXED}")
             yield table, field, value
 
 
@@ -103,8 +100,7 @@ def check(robot: RobotData, given: set[str]) -> None:
         raise Refused(error.reason, f"[geometry] {ANGLES}: {error.message}") from error
     most = math.floor(10 * (reach - 1) + ROUNDING) / 10
     if most < LEAST_TILT:
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"[geometry] {ANGLES} let the head tilt {reach:.1f}° in every direction; "
             f"{LEAST_TILT + 1:g}° are needed.",
         )
@@ -128,8 +124,7 @@ def check_table(robot: RobotData, table: str, given: set[str], ends: dict[str, f
         whole = isinstance(value, int)
         if value in (low, high) if whole else low <= value <= high:
             continue
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"[{table}] {field} = {value}{'' if field in given else ', the default value'}: {low:g} "
             f"{'or' if whole else 'to'} {high:g} {allowed.unit} is allowed"
             + (": the firmware, the rods or another value allow no wider limit." if field in ends else "."),
@@ -152,13 +147,10 @@ def check_motions(robot: RobotData) -> None:
             if error.reason is Reason.ARM_GAP
             else f"[geometry] {ANGLES}"
         )
-        raise Refused(
-            Reason.BAD_VALUE, f"{field}: the head could not turn by 2° from home. {error.message}"
-        ) from error
+        raise bad_value(f"{field}: the head could not turn by 2° from home. {error.message}") from error
     if snaps is not None:
         most = math.degrees(snaps - GRID - TILT_KNOWN_BEYOND)
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             f"[limits] tilt_max = {robot.limits.tilt_max:g}: with these {ANGLES} the neck can snap into another "
             f"position where the head tilts by {math.degrees(snaps):.0f}°. At most {math.floor(most)}° is possible.",
         )

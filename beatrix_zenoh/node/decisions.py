@@ -13,7 +13,7 @@ from beatrix_zenoh import files
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
+from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage, wrong_usage
 from beatrix_zenoh.node.callers import LONGEST_TURN_S, SHORTEST_TURN_S, TURN_S
 from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.interfaces import Component, StatusFields
@@ -46,14 +46,14 @@ def read(path: Path) -> Decisions:
         return Decisions()
     table = files.toml(path, LONGEST)
     if not table:
-        raise WrongUsage(Reason.BAD_VALUE, f"{path} is empty.")
+        raise wrong_usage(f"{path} is empty.")
     try:
         kept = msgspec.convert(table, Decisions)
     except msgspec.ValidationError as error:
-        raise WrongUsage(Reason.BAD_VALUE, f"{path} is not valid: {error}.") from error
+        raise wrong_usage(f"{path} is not valid: {error}.") from error
     for seat in kept.muted:
         if names.check_seat(seat) == names.TEACHER:
-            raise WrongUsage(Reason.BAD_VALUE, f"{path} is not valid: the teacher cannot be muted.")
+            raise wrong_usage(f"{path} is not valid: the teacher cannot be muted.")
     return kept
 
 

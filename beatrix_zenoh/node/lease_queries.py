@@ -21,7 +21,7 @@ from beatrix_zenoh.contract._generated.messages import (
     LeaseReply,
     Reason,
 )
-from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
+from beatrix_zenoh.contract.errors import BeatrixError, Refused, wrong_usage
 from beatrix_zenoh.node.access import Access, Operation
 from beatrix_zenoh.node.callers import LONGEST_TURN_S, NO_TERMS, SHORTEST_TURN_S, TURN_S, Caller, Terms
 from beatrix_zenoh.node.controller import MotionController, StopCause
@@ -92,8 +92,7 @@ def end_turn(access: Access, now_s: float) -> str:
 def _turn_s(longest_s: float) -> float:
     """Return the length of a turn (s) in a query; 0: none. Raises WrongUsage (BAD_VALUE)."""
     if longest_s and not SHORTEST_TURN_S <= longest_s <= LONGEST_TURN_S:
-        raise WrongUsage(
-            Reason.BAD_VALUE,
+        raise wrong_usage(
             f"A turn of {longest_s:g} s is not possible: give {SHORTEST_TURN_S:g} to {LONGEST_TURN_S:g} s.",
         )
     return longest_s
@@ -222,7 +221,7 @@ class LeaseHandler(Component):
         """Mute or unmute a seat; return the new state as a sentence; raises Refused or WrongUsage (BAD_VALUE)."""
         access = self._access
         if names.check_seat(seat) == names.TEACHER:
-            raise WrongUsage(Reason.BAD_VALUE, "The teacher cannot be muted. Give the seat of a student.")
+            raise wrong_usage("The teacher cannot be muted. Give the seat of a student.")
         if not on:
             with access.lock:
                 access.teacher.muted -= {seat}

@@ -22,7 +22,7 @@ from beatrix_zenoh.contract._generated.serial import (
     TextWarning,
     WarningCode,
 )
-from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
+from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused, bad_value
 from beatrix_zenoh.node.access import Operation
 from beatrix_zenoh.node.legacy_driving import Driving
 
@@ -41,8 +41,7 @@ SHOWN_S: Final = 0.3
 STOPPED: Final = Refused(Reason.STOPPED, "STOP was pressed.")
 LOST: Final = NoAnswer(Reason.BOARD_LOST, "the board has not answered the line. Restart the program.")
 DROPPED: Final = Refused(Reason.CLIENT_LOST, "the program closed its port, or another one opened it.")
-REFUSED_BY_BOARD: Final = Refused(
-    Reason.BAD_VALUE,
+REFUSED_BY_BOARD: Final = bad_value(
     "the board refused the line, or ended its motion before the goal. Motions need @CALNOW first, and again after each "
     "@ENMOTORS ON or OFF; numbers go up to 32767. docs/how-to/old-programs.md lists the words.",
 )

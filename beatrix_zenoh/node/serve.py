@@ -21,7 +21,7 @@ from beatrix_zenoh import files, threads
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
-from beatrix_zenoh.contract.errors import NoAnswer, WrongUsage
+from beatrix_zenoh.contract.errors import NoAnswer, wrong_usage
 from beatrix_zenoh.legacy import Terminal
 from beatrix_zenoh.logs import log_to
 from beatrix_zenoh.node.node import Node, RobotBody
@@ -63,8 +63,7 @@ def serve(
         BeatrixError: a node cannot serve: its name is taken, the router was lost meanwhile, or an option is wrong.
     """
     if legacy is not None and (robot.limits, robot.geometry) != (ROBOT.limits, ROBOT.geometry):
-        raise WrongUsage(
-            Reason.BAD_VALUE,
+        raise wrong_usage(
             "--legacy cannot be used with a --robot-file that changes limits or neck: for programs of 2023 only "
             "the limits compiled into the firmware apply. Omit one of the two options.",
         )

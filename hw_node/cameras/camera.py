@@ -11,8 +11,7 @@ from typing import Final
 
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import WrongUsage, quoted
+from beatrix_zenoh.contract.errors import WrongUsage, quoted, wrong_usage
 from beatrix_zenoh.node import Component, Node, camera_publisher
 from beatrix_zenoh.node.sensors import SILENT_S, Sensor, SensorSource
 from hw_node.cameras.stand_ins import Pattern, PictureFiles
@@ -106,4 +105,4 @@ def choices(words: Sequence[str]) -> list[CameraChoice]:
 
 def wrong(word: str, what: str) -> WrongUsage:
     """Return the error for an invalid value of --camera."""
-    return WrongUsage(Reason.BAD_VALUE, f"camera {word}: {what}.")
+    return wrong_usage(f"camera {word}: {what}.")
