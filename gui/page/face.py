@@ -23,7 +23,7 @@ from gui.console.state.actions import (
     SendStop,
     StartSimulation,
 )
-from gui.console.state.arms import HoldArm
+from gui.console.state.arms import HoldArm, Steer
 from gui.console.state.intents import Intent, Tab
 from gui.console.state.saved import Saved
 from gui.console.state.state import State
@@ -61,6 +61,10 @@ class Driver:
     """whether the robot was stopped because the page is silent or hidden"""
     held_row: int = 0
     """row of the newest held button"""
+    overrides: bool = False
+    """whether the teacher has taken the robot by steering, until `steered_s` is long ago"""
+    steered_s: float = 0.0
+    """time of the last request of a stick (monotonic clock, s)"""
 
     def beat(self) -> None:
         """Record a heartbeat of the page, and clear `stopped`."""
@@ -126,6 +130,13 @@ class Face:
     def show_class(self, *, on: bool) -> None:
         """Show or hide the table of all robots."""
         self.shows_class, self._fresh = on, True
+
+    @property
+    def holds(self) -> bool:
+        """Whether all its robots online have accepted its seat."""
+        states = [self._world.side(side).status for side in SIDES if online(self._world, side)]
+        seat = None if self.driver is None else self.driver.seat
+        return bool(states) and all(state is not None and state.holder == seat for state in states)
 
     @property
     def own_link(self) -> Link | None:
@@ -198,7 +209,8 @@ class Face:
             for side in here:
                 if side not in driver.asked:
                     driver.asked.add(side)
-                    self.carry_out(AskLease(LeaseAction.WAIT, side))
+                    asked = LeaseAction.TAKE if driver.overrides else LeaseAction.WAIT
+                    self.carry_out(AskLease(asked, side))
 
     def _parts(self, world: World, robots: tuple[str, ...]) -> dict[str, object]:
         view, driver, texts = self.state.view(world), self.driver, self.state.choices.texts
@@ -271,7 +283,11 @@ class Face:
         if isinstance(intent, DRIVING) and self.driver is None:
             self.notify("page.watching")
             return
-        if self.driver is not None and isinstance(intent, DRIVING) and not isinstance(intent, HoldArm):
+        if (
+            self.driver is not None
+            and isinstance(intent, DRIVING)
+            and not isinstance(intent, HoldArm | Steer)
+        ):
             self.notify("")
         self._fresh = True
         for action in self.state.handle(intent, self._world):

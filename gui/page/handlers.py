@@ -13,6 +13,7 @@ from tornado import web, websocket
 
 from beatrix_zenoh.client import CameraImage
 from gui.console.state import actions
+from gui.console.state.arms import Steer
 from gui.console.state.intents import Intent
 from gui.console.texts import DEFAULT_LANGUAGE, LANGUAGES, Texts
 from gui.page import messages, protection
@@ -257,6 +258,7 @@ HANDLES: Mapping[type, Callable[[Hub, Face, Never], None]] = {
     messages.ViewReceived: lambda _, face, __: face.seen(),
     messages.Open: lambda _, face, request: face.open(request.saved),
     messages.Drive: lambda hub, face, request: hub.drive(face, request.name),
+    Steer: lambda hub, face, request: hub.steer(face, request),
     messages.Leave: lambda hub, face, _: hub.end_driver(face),
     messages.Hidden: lambda _, face, __: face.stop_moving(),
     messages.ShowClass: lambda _, face, request: face.show_class(on=request.on),

@@ -29,6 +29,7 @@ from gui.console.link.jobs import Jobs
 from gui.console.link.pictures import CameraStream, Watcher
 from gui.console.link.stopping import send_stop
 from gui.console.state.actions import ChooseRobot, SendStop
+from gui.console.state.arms import Steer
 from gui.console.state.intents import Stop
 from gui.page.face import Driver, Face
 from gui.page.lessons_face import Lessons
@@ -40,6 +41,8 @@ DEAD_MAN_S: Final = 0.4
 """Longest time without a heartbeat of the page; then a moving robot is stopped. Pages send ten heartbeats a second."""
 GONE_S: Final = 5.0
 """Longest time without a heartbeat of a page that drives; then the server gives the robot back."""
+OVERRIDE_S: Final = 1.0
+"""Time at rest after which the stick of a teacher gives the robot back (s)."""
 STOPS_KEPT: Final = 1024
 CLOSE_S: Final = 3.5
 """Time for links and subscriptions to close."""
@@ -222,6 +225,19 @@ class Hub:
         face.state.leave()
         face.notify(key)
 
+    def steer(self, face: Face, request: Steer) -> None:
+        """Turn the head by a stick or keys; a page of the teacher takes the robot for that, and gives it back at rest."""
+        if face.link is not None and face.driver is None and face.visitor == names.TEACHER:
+            self.drive(face, "")
+            if face.driver is not None:
+                face.driver.overrides = True
+        driver = face.driver
+        if driver is not None and driver.overrides:
+            driver.steered_s = time.monotonic()
+            if not face.holds:
+                return  # the robots have not accepted the teacher yet
+        face.carry_out(request)
+
     def check_heartbeats(self) -> None:
         """Stop moving robots whose page is silent; give a robot back if its page is silent for longer than GONE_S."""
         for face in self.pages:
@@ -231,6 +247,8 @@ class Hub:
             silent_s = time.monotonic() - driver.beat_s
             if silent_s > GONE_S:
                 self.end_driver(face, "page.gone")
+            elif driver.overrides and time.monotonic() - driver.steered_s > OVERRIDE_S:
+                self.end_driver(face, "page.given_back")
             elif silent_s > DEAD_MAN_S and driver.link.moving.busy and not driver.stopped:
                 face.stop_moving()
                 face.notify("page.silent")

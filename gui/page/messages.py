@@ -10,7 +10,7 @@ from msgspec import Meta
 from beatrix_zenoh.client.choreography import GESTURES
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction
 from gui.console.state import actions, intents
-from gui.console.state.arms import HoldArm, ReleaseArm
+from gui.console.state.arms import HoldArm, ReleaseArm, Steer
 from gui.console.state.intents import SetDuration
 from gui.console.state.saved import Saved
 
@@ -113,6 +113,7 @@ OWN: Final = (
 """Intents of every page: they change only this page, or stop robots."""
 DRIVING: Final = (
     HoldArm
+    | Steer
     | intents.SendHead
     | intents.LiveHead
     | intents.ReleaseHead

@@ -27,6 +27,7 @@ from gui.window.widgets.notices import Banner, ConnectSheet, RefusalNotice, Trou
 from gui.window.widgets.plots import PlotsPanel
 from gui.window.widgets.sending import CommandsPanel, SendingPanel, StopBar
 from gui.window.widgets.sequence import SequencePanel
+from gui.window.widgets.steering import Steering
 
 P = TypeVar("P", bound=Panel)
 LOW_PX = 680
@@ -145,6 +146,7 @@ class Panels(QWidget):
             notice.intent.connect(self.intent)
         self.header.keys_asked.connect(self.key_sheet.toggle)
         self.tabs.currentChanged.connect(self._report_tab)
+        self.steering = Steering((self.head.pad, self.head3d), self.intent.emit)
 
     def _report_tab(self, number: int) -> None:
         if 0 <= number < len(Tab):

@@ -174,6 +174,38 @@ OTHERS: list[dict[str, Any]] = [
 """What a page of another seat may try at ana's head, programs, lessons and word."""
 
 
+def test_the_teachers_stick_overrides_a_pupil_and_gives_the_robot_back(
+    browsers: dict[str, WebClient],
+) -> None:
+    ana, teacher = ready(browsers["ana"]), browsers["teacher"].connect()
+    teacher.send("ChooseRobot", name="ana")
+    look(ana, 0.0)
+    ana.state(partial(looks, 0.0), "at home")
+
+    def steered(view: dict[str, Any]) -> bool:
+        teacher.send("Steer", yaw=0.5, pitch=0.0, roll=0.0)
+        return view["head"]["sim"] is not None and view["head"]["sim"]["yaw"] > 5.0
+
+    teacher.state(steered, "the teacher turns the head of the pupil")
+    teacher.send("ReleaseArm")
+    teacher.state(lambda view: bool(view["you"]["notice"]), "the robot is given back", heartbeat=False)
+    assert not teacher.view["you"]["drives"]
+
+    def back(view: dict[str, Any]) -> bool:
+        look(ana, 0.0)
+        return looks(0.0, view)
+
+    ana.state(back, "the pupil drives on")
+
+
+def test_a_pupils_stick_needs_a_page_that_drives(browsers: dict[str, WebClient]) -> None:
+    ben = ready(browsers["ben"])
+    ben.send("ChooseRobot", name="bea1")
+    ben.send("Steer", yaw=1.0, pitch=0.0, roll=0.0)
+    ben.state(lambda view: bool(view["you"]["notice"]), "the page says that it only watches")
+    assert not ben.view["you"]["drives"]
+
+
 def chose(speed: float, view: dict[str, Any]) -> bool:
     return view["choices"]["speed"] == speed  # type: ignore[no-any-return]
 

@@ -21,8 +21,8 @@ from gui.console.state.arms import AHEAD_S, jog_query
 
 WAIT_S = 10.0
 MOTIONS: list[Action] = [
-    Send(1, jog_query("short", 1, 20.0, AHEAD_S), ("hw",)),
-    Hold(1, "short", 1, 20.0, ("hw",)),
+    Send(1, jog_query((("short", 1.0),), 20.0, AHEAD_S), ("hw",)),
+    Hold(1, (("short", 1.0),), 20.0, ("hw",)),
 ]
 
 
@@ -61,11 +61,11 @@ def test_a_newer_press_ends_an_older_one_without_a_stop(jobs: Jobs) -> None:
     moving, robot = Moving(jobs, outcomes.put), MagicMock(side="hw")
     robot.begin.return_value.exception.side_effect = TimeoutError  # it moves until the end of the test
     twin = MagicMock(hw=robot)
-    moving.hold(Hold(1, "yaw", 1, 20.0, ("hw",)), twin)
+    moving.hold(Hold(1, (("yaw", 1.0),), 20.0, ("hw",)), twin)
     assert outcomes.get(timeout=WAIT_S).accepted
-    moving.hold(Hold(2, "yaw", 1, 20.0, ("hw",)), twin)
+    moving.hold(Hold(2, (("yaw", 1.0),), 20.0, ("hw",)), twin)
     assert (outcomes.get(timeout=WAIT_S).reason, moving.busy) == (Reason.REPLACED, True)
-    moving.hold(Hold(1, "yaw", 1, 20.0, ("hw",)), twin)  # a late heartbeat
+    moving.hold(Hold(1, (("yaw", 1.0),), 20.0, ("hw",)), twin)  # a late heartbeat
     assert outcomes.get(timeout=WAIT_S).row == 2
     moving.drop(replaced())
     assert outcomes.get(timeout=WAIT_S).row == 2

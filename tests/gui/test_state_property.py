@@ -21,7 +21,7 @@ from beatrix_zenoh.contract.names import ARMS
 from gui.console.state import actions, intents
 from gui.console.state import world as worlds
 from gui.console.state.actions import NEW, Action, Outcome, SendStop
-from gui.console.state.arms import HoldArm
+from gui.console.state.arms import HoldArm, Steer
 from gui.console.state.intents import ALL_ARMS, Choose, Intent, Repeat, WindowPage
 from gui.console.state.state import HANDLES, State
 from gui.console.state.world import World
@@ -64,7 +64,7 @@ CHOICES: dict[str, st.SearchStrategy[Any]] = {
     "theme": st.sampled_from(intents.Theme),
     "language": st.sampled_from(["en", "de", "fr"]),
 }
-MOVE_BY_THEMSELVES = (HoldArm, intents.LiveHead)
+MOVE_BY_THEMSELVES = (HoldArm, Steer, intents.LiveHead)
 
 
 def any_of(kind: type[Intent]) -> st.SearchStrategy[Intent]:

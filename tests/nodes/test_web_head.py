@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from browser import Browser
 from PIL import Image
-from robots import Stage, ready
+from robots import Stage, ready, until
 from web_client import WebClient, serving
 
 from beatrix_zenoh import Robot
@@ -79,6 +79,33 @@ def test_the_mesh_is_sent_once(port: int) -> None:
         again = client.fetch("/head.json", **{"If-None-Match": first.headers["Etag"]})
     assert len(json.loads(first.body)["bodies"]) == 8
     assert (again.code, again.body) == (304, b"")
+
+
+PADS = """
+window.pad = { connected: true, axes: [0, 0, 0], buttons: Array.from({ length: 4 }, () => ({ pressed: false })) };
+navigator.getGamepads = () => [window.pad];
+dispatchEvent(new Event("gamepadconnected"));
+"""
+"""A gamepad as a browser shows it: Chromium without a screen has none."""
+
+
+@pytest.mark.long("a real browser")
+def test_a_gamepad_turns_the_head_and_stops_it(port: int, robot: Robot, tmp_path: Path) -> None:
+    robot.home()
+    with Browser(tmp_path / "profile", FULL) as browser:
+        browser.open(f"http://127.0.0.1:{port}/")
+        browser.click("#drive")
+        browser.wait(lambda: browser.run("!document.body.classList.contains('idle')"), "drives")
+        browser.run(PADS)
+        browser.run("window.pad.axes = [0.8, 0, 0]")
+        until(lambda: robot.positions().head.yaw > 6, "the right of the stick is the right of the picture")
+        browser.run("window.pad.axes = [0, 0, 0]")
+        until(lambda: not robot.status().moving, "rests")
+        browser.run("window.pad.axes = [-0.8, 0, 0]")
+        until(lambda: robot.status().moving, "moves")
+        browser.run("window.pad.buttons[1].pressed = true")
+        until(lambda: "STOP" in str(browser.run("document.getElementById('last').textContent")), "STOP")
+        assert browser.errors() == []
 
 
 @pytest.mark.long("two real browsers")

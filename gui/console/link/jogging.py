@@ -14,7 +14,7 @@ from beatrix_zenoh.contract.errors import Refused, naming
 from beatrix_zenoh.processes import POLL_S
 from gui.console.link.outcomes import accepted
 from gui.console.link.request import BOTH, Program, Report
-from gui.console.state.actions import Hold
+from gui.console.state.actions import Hold, Shares
 from gui.console.state.arms import AHEAD_S, jog_query
 
 BRAKE_S: Final = 0.12
@@ -31,12 +31,14 @@ class Held(Program):
         """Store the arguments."""
         super().__init__(asked.row, asked.sides, BOTH if len(robots) > 1 else robots[0].side)
         self._asked, self._robots = asked, robots
+        self._shares = asked.shares
         self._goals: queue.SimpleQueue[float] = queue.SimpleQueue()
         """how far ahead the next goals are (s)"""
         self._held = True
 
-    def beat(self) -> None:
-        """Go on until AHEAD_S from now; returns at once."""
+    def beat(self, shares: Shares) -> None:
+        """Go on, with these speeds, until AHEAD_S from now; returns at once."""
+        self._shares = shares
         self._goals.put(AHEAD_S)
 
     def release(self) -> None:
@@ -69,11 +71,11 @@ class Held(Program):
 
     def _begin(self, robot: Robot, ahead_s: float) -> Motion:
         """Send one goal, near a limit a shorter one; raises Refused if no goal is accepted."""
-        asked, motion = self._asked, None
+        asked, shares, motion = self._asked, self._shares, None
         with naming(str(robot)) if self.side == BOTH else contextlib.nullcontext():
             while motion is None:
                 try:
-                    motion = robot.begin(jog_query(asked.part, asked.sign, asked.speed, ahead_s))
+                    motion = robot.begin(jog_query(shares, asked.speed, ahead_s))
                 except Refused as error:
                     ahead_s /= 2
                     if error.reason not in LIMITS or asked.speed * ahead_s < SMALLEST_DEG:

@@ -112,7 +112,7 @@ class Moving:
             self._held = Held(action, robots_of(twin, action.sides))
             self._put(self._held)
         if action.row == self._held.row:
-            self._held.beat()
+            self._held.beat(action.shares)
 
     def release(self, row: int) -> None:
         """End the press of this row, unless it has ended."""

@@ -41,14 +41,16 @@ class Send(Action, frozen=True):
     lead_s: float = 0.0
 
 
+Shares = tuple[tuple[str, float], ...]
+"""Arms, `all` or axes of the head, each with its speed divided by the chosen one, -1 to 1."""
+
+
 class Hold(Action, frozen=True):
-    """Move some robots while a button is held; repeated as a heartbeat, without which they stop within 0.5 s."""
+    """Move some robots while a button or stick is held; repeated as a heartbeat, without which they stop within 0.5 s."""
 
     row: int
     """also the number of the press"""
-    part: str
-    """an arm, or `all`"""
-    sign: int
+    shares: Shares
     speed: float
     """deg/s"""
     sides: tuple[str, ...]

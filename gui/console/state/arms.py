@@ -18,7 +18,7 @@ from beatrix_zenoh.contract._generated.robot import ROBOT
 from beatrix_zenoh.contract.names import ARMS, SIDES
 from beatrix_zenoh.motion.gear import Gear
 from gui.console.state import refusals
-from gui.console.state.actions import NEW, Action, Hold, Release, Send
+from gui.console.state.actions import NEW, Action, Hold, Release, Send, Shares
 from gui.console.state.intents import ALL_ARMS, Intent, Jog
 from gui.console.state.memory import Handles, Memory, begin, send_arms, unreachable
 from gui.console.state.views import ArmRowView, ArmsView, ButtonView
@@ -30,6 +30,8 @@ AXES: Final = dict(zip(ARMS, "xyz", strict=True)) | {ALL_ARMS: ""}
 INCREMENT_MAX: Final = 90.0
 """deg, a quarter of a turn; larger turns take several presses"""
 ROTATIONS: Final = ("yaw", "pitch", "roll")
+SLOWEST: Final = math.radians(1.0)
+"""rad/s; a stick that is hardly moved turns the head less far, not slower"""
 AHEAD_S: Final = 0.5
 """Time to each goal of a hold, longer than network delays; without a new goal the robots stop by themselves."""
 FASTEST_DEG_S: Final = 40.0
@@ -155,32 +157,53 @@ class HoldArm(Intent, frozen=True):
     """+1 or -1"""
 
 
+Share = Annotated[float, Meta(ge=-1, le=1)]
+"""Speed of an axis, divided by the chosen speed."""
+
+
+class Steer(Intent, frozen=True):
+    """A stick, or keys, turn the head; reported again and again until they rest, which `ReleaseArm` reports."""
+
+    yaw: Share
+    pitch: Share
+    roll: Share
+
+
 class ReleaseArm(Intent, frozen=True):
-    """The held button was released, or can no longer be held."""
+    """The held button or stick was released, or can no longer be held."""
 
 
-def jog_query(part: str, sign: int, speed_deg_s: float, ahead_s: float) -> MotionQuery | PoseQuery:
-    """Return the motion of one part of the head, or of all arms, from the present set point for `ahead_s`."""
+def jog_query(shares: Shares, speed_deg_s: float, ahead_s: float) -> MotionQuery | PoseQuery:
+    """Return the motion of arms, or of axes of the head, from the present set point for `ahead_s`."""
     speed = math.radians(min(speed_deg_s, FASTEST_DEG_S))
-    angle = sign * speed * ahead_s
-    if part in ROTATIONS:
-        yaw, pitch, roll = (angle if part == name else 0.0 for name in ROTATIONS)
-        return PoseQuery(absolute=False, yaw=yaw, pitch=pitch, roll=roll, speed=speed)
-    x, y, z = (angle if part in (name, ALL_ARMS) else 0.0 for name in ARMS)
-    return MotionQuery(absolute=False, position=Vector3(x, y, z), speed=Vector3(speed, speed, speed))
+    turned = {part: share * speed * ahead_s for part, share in shares}
+    fastest = max(SLOWEST, *(speed * abs(share) for _, share in shares))
+    if turned.keys() <= {*ROTATIONS}:
+        yaw, pitch, roll = (turned.get(name, 0.0) for name in ROTATIONS)
+        return PoseQuery(absolute=False, yaw=yaw, pitch=pitch, roll=roll, speed=fastest)
+    x, y, z = (turned.get(name, turned.get(ALL_ARMS, 0.0)) for name in ARMS)
+    return MotionQuery(absolute=False, position=Vector3(x, y, z), speed=Vector3(fastest, fastest, fastest))
 
 
-def hold(memory: Memory, world: World, intent: HoldArm) -> list[Action]:
-    """Return the action of a held button, which has one row in the history; none if the hold is refused."""
-    speed, sides = memory.choices.speed, memory.choices.sides
+def _shares(intent: HoldArm | Steer) -> Shares:
+    if isinstance(intent, HoldArm):
+        return ((intent.arm, float(intent.sign)),)
+    return tuple((name, getattr(intent, name)) for name in ROTATIONS)
+
+
+def hold(memory: Memory, world: World, intent: HoldArm | Steer) -> list[Action]:
+    """Return the action of a held button or stick, which has one row in the history; none if the hold is refused."""
+    speed, sides, shares = memory.choices.speed, memory.choices.sides, _shares(intent)
+    if not any(share for _, share in shares):
+        return []
     if memory.held_row is None:
-        query = jog_query(intent.arm, intent.sign, speed, AHEAD_S)
-        control = "head" if intent.arm in ROTATIONS else intent.arm
+        query = jog_query(shares, speed, AHEAD_S)
+        control = "head" if isinstance(query, PoseQuery) else shares[0][0]
         begun = begin(memory, world, Send(NEW, query, sides), control)
         memory.held_row = memory.open_hold = memory.numbers if begun else REFUSED
     if memory.held_row == REFUSED:
         return []
-    return [Hold(memory.held_row, intent.arm, intent.sign, speed, sides)]
+    return [Hold(memory.held_row, shares, speed, sides)]
 
 
 def release(memory: Memory, _world: World, _intent: ReleaseArm) -> list[Action]:
@@ -205,5 +228,6 @@ def follow(memory: Memory, world: World) -> None:
 HANDLES: Handles = {
     Jog: jog,
     HoldArm: hold,
+    Steer: hold,
     ReleaseArm: release,
 }

@@ -4,6 +4,7 @@ import { connect, isOpen, send, sinceRequest, sinceSent, trouble } from "./conne
 import { connectEyes, showEyes } from "./eyes.js";
 import { changed, connectHead, receivePose, seenFromFront } from "./head.js";
 import { LESSONS, asLesson, connectLessons } from "./lessons.js";
+import { connectGamepad } from "./gamepad.js";
 import { connectTabs } from "./tabs.js";
 
 const BEAT_MS = 100; // period of the heartbeats of a page whose robots move, or may move after a message
@@ -17,7 +18,10 @@ const LEADS = [0, 1, 2, 5]; // s
 const ROTATIONS = { yaw: [1, -1], pitch: [-1, 1], roll: [-1, 1] };
 const ARMS = ["short", "middle", "long"];
 const COLUMNS = ["robot", "side", "state", "driver", "turn", "waiting", "rate", "age", "remarks"];
-const KEYS = { ArrowLeft: "yaw-plus", ArrowRight: "yaw-minus", ArrowUp: "pitch-minus", ArrowDown: "pitch-plus" };
+const KEYS = {
+  ArrowLeft: "yaw-plus", ArrowRight: "yaw-minus", ArrowUp: "pitch-minus", ArrowDown: "pitch-plus",
+  KeyA: "yaw-plus", KeyD: "yaw-minus", KeyW: "pitch-minus", KeyS: "pitch-plus", KeyQ: "roll-minus", KeyE: "roll-plus",
+};
 const BOXES = ["sim", "hw", "live", "send_on_release"];
 const WATCHERS = ["ChooseRobot", "DismissNotice", "DismissRefusal", "EmergencyStop", "AddPose", "DeletePose", "SetDuration", "EndBlocks", "Govern", "LimitClass"];
 
@@ -375,7 +379,7 @@ function keys(event) {
     return;
   }
   if (["INPUT", "SELECT"].includes(event.target.tagName) || document.querySelector("main").hidden) return;
-  const named = KEYS[event.key] && byId(KEYS[event.key]);
+  const named = !event.ctrlKey && !event.metaKey && byId(KEYS[event.code]);
   const button = named ?? (event.key === "Enter" && event.target.dataset?.part ? event.target : null);
   if (!button) return;
   event.preventDefault();
@@ -508,6 +512,7 @@ setInterval(showTrouble, 500);
 connectBlocks({ text, bind, view, asLesson });
 connectLessons({ text, make, view });
 connectTabs();
+connectGamepad({ view, stop });
 connectEyes(isOpen, () => showEyes(view));
 connectHead({ view, target, aim, grab, release: releaseHead, turned: showAround });
 connect(receive, receivePose, () => { releaseButton(); disconnected(); showTrouble(); });
