@@ -102,6 +102,8 @@ OWN: Final = (
     | intents.DismissNotice
     | intents.DeletePose
     | intents.AddPose
+    | intents.MovePose
+    | intents.UndoSequence
     | SetDuration
     | actions.ChooseRobot
     | intents.EmergencyStop

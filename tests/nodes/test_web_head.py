@@ -7,6 +7,7 @@ import math
 import random
 import time
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -106,6 +107,35 @@ def test_a_gamepad_turns_the_head_and_stops_it(port: int, robot: Robot, tmp_path
         browser.run("window.pad.buttons[1].pressed = true")
         until(lambda: "STOP" in str(browser.run("document.getElementById('last').textContent")), "STOP")
         assert browser.errors() == []
+
+
+CARDS = "[...document.querySelectorAll('.card')]"
+
+
+def shows(browser: Browser, selector: str, text: str) -> bool:
+    return browser.text(selector) == text
+
+
+def has_cards(browser: Browser, number: int) -> bool:
+    return bool(browser.run(f"{CARDS}.length") == number)
+
+
+@pytest.mark.long("a real browser")
+def test_poses_are_cards_with_pictures_that_can_be_moved(port: int, robot: Robot, tmp_path: Path) -> None:
+    with Browser(tmp_path / "profile", FULL) as browser:
+        browser.open(f"http://127.0.0.1:{port}/")
+        for number, shown in enumerate(("25.0°", "−25.0°"), start=1):
+            robot.look(yaw=25 if number == 1 else -25)
+            browser.run(f"document.getElementById('pose-name').value = 'pose{number}'")
+            browser.wait(partial(shows, browser, "#value-yaw", shown), "there")
+            browser.click("#add")
+            browser.wait(partial(has_cards, browser, number), "a card for each pose")
+        pictures = browser.run(f"new Set({CARDS}.map((card) => card.firstChild.toDataURL())).size")
+        assert pictures == 2, "each card shows its own pose"
+        browser.run(f"{CARDS}[0].click()")
+        browser.click("#later")
+        names = f"{CARDS}.map((card) => card.dataset.name).join()"
+        browser.wait(lambda: browser.run(names) == "pose2,pose1", "moved")
 
 
 @pytest.mark.long("two real browsers")

@@ -78,6 +78,19 @@ export function changed() {
   }, rest);
 }
 
+const paper = document.createElement("canvas");
+let artist = null; // draws portraits, one after the other
+
+// Draws a head alone, from the front.
+export function portrait(sheet, head) {
+  if (!model) return setTimeout(() => portrait(sheet, head), REST_MS);
+  const side = 2 * sheet.clientWidth || 128, screen = screenOf({ azimuth: 0, elevation: 8 }, side, side);
+  artist ??= flat(paper, model);
+  for (const one of [sheet, paper]) Object.assign(one, { width: side, height: side });
+  artist([{ turns: { head: rotationOf(head) }, tint: [0, 0, 0], share: 0, alpha: 1 }], { ...screen, lookedAt: model.skull[2], scale: side / 0.24 });
+  sheet.getContext("2d").drawImage(paper, 0, 0);
+}
+
 const apart = (one, other) => ["yaw", "pitch", "roll"].some((name) => Math.abs(one[name] - other[name]) > NEAR_DEG);
 const poseOf = (side) => page.view.head[side] && poses[side];
 const turnsOf = ({ arms, head }) => orientations(model.rods, arms, rotationOf(head));

@@ -1,5 +1,6 @@
 // The control page: draws the parts of the view that its server sends, and sends the intent of each button.
 import { BLOCKS, connectBlocks, disconnected } from "./blocks.js";
+import { SEQUENCE, connectCards } from "./cards.js";
 import { connect, isOpen, send, sinceRequest, sinceSent, trouble } from "./connection.js";
 import { connectEyes, showEyes } from "./eyes.js";
 import { changed, connectHead, receivePose, seenFromFront } from "./head.js";
@@ -23,7 +24,7 @@ const KEYS = {
   KeyA: "yaw-plus", KeyD: "yaw-minus", KeyW: "pitch-minus", KeyS: "pitch-plus", KeyQ: "roll-minus", KeyE: "roll-plus",
 };
 const BOXES = ["sim", "hw", "live", "send_on_release"];
-const WATCHERS = ["ChooseRobot", "DismissNotice", "DismissRefusal", "EmergencyStop", "AddPose", "DeletePose", "SetDuration", "EndBlocks", "Govern", "LimitClass"];
+const WATCHERS = ["ChooseRobot", "DismissNotice", "DismissRefusal", "EmergencyStop", "AddPose", "DeletePose", "SetDuration", "MovePose", "UndoSequence", "AimHead", "EndBlocks", "Govern", "LimitClass"];
 
 const byId = (id) => document.getElementById(id);
 const token = document.querySelector("meta[name=token]").content;
@@ -128,7 +129,6 @@ const SHOW = {
     for (const [name, button] of Object.entries(commands.buttons)) if (byId(name)) bind(byId(name), button);
     showRefusal("refusal-commands", commands.refusal);
   },
-  sequence: showSequence,
   history: (rows) => byId("history").replaceChildren(...rows.map(historyRow)),
   class: (rows) => {
     const cells = (row) => row.cells.map((cell) => make("td", cell));
@@ -146,6 +146,7 @@ const SHOW = {
     set(byId("stop"), view.robots?.length > 1 ? `${button.text} ${view.robot}` : button.text);
   },
   emergency: (button) => bind(byId("emergency"), button),
+  ...SEQUENCE,
   ...BLOCKS,
   ...LESSONS,
 };
@@ -294,25 +295,6 @@ function showSending(sending) {
   set(byId("countdown"), sending.countdown);
   byId("plan-buttons").hidden = !sending.abort.enabled;
   for (const name of ["send_now", "change", "abort"]) bind(byId(name), sending[name]);
-}
-
-function showSequence({ cards, add, play, hardware }) {
-  const list = byId("pose");
-  const chosen = list.value;
-  list.replaceChildren(...cards.map((card) => new Option(card.name, card.name)));
-  if (!cards.length) list.append(new Option(text("label.poses_empty"), ""));
-  if (cards.some((card) => card.name === chosen)) list.value = chosen;
-  const own = (name, intent) => ({ text: text(`page.${name}`), tooltip: text(`page.${name}_tip`), intent, enabled: cards.length > 0 });
-  bind(byId("delete"), own("delete", { do: "DeletePose" }), () => ({ name: list.value }));
-  bind(byId("go"), own("go", { do: "SendHead" })).onclick = () => {
-    const { head } = cards.find((card) => card.name === list.value);
-    if (!head) return; // no head can have this pose
-    send({ do: "AimHead", ...head });
-    send({ do: "SendHead" });
-  };
-  bind(byId("add"), add, () => ({ name: byId("pose-name").value }));
-  bind(byId("play"), play);
-  bind(byId("hardware"), hardware);
 }
 
 function historyRow(row) {
@@ -512,6 +494,7 @@ setInterval(showTrouble, 500);
 connectBlocks({ text, bind, view, asLesson });
 connectLessons({ text, make, view });
 connectTabs();
+connectCards({ text, bind, make, view });
 connectGamepad({ view, stop });
 connectEyes(isOpen, () => showEyes(view));
 connectHead({ view, target, aim, grab, release: releaseHead, turned: showAround });
