@@ -8,13 +8,13 @@ from dataclasses import replace
 
 from PyQt5.QtCore import QPointF, QRectF, Qt
 from PyQt5.QtGui import QBrush, QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPolygonF, QResizeEvent
-from PyQt5.QtWidgets import QBoxLayout, QGridLayout, QSizePolicy
+from PyQt5.QtWidgets import QBoxLayout, QGridLayout, QSizePolicy, QWidget
 
 from gui.console.state.intents import AimHead, HeadOrientation, Theme
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
 from gui.window.theme import Style, style_of
-from gui.window.widgets.controls import Panel, in_column, label, named, spaced
+from gui.window.widgets.controls import NO_MARGINS, Panel, in_column, label, named, spaced
 from gui.window.widgets.head3d_drag import BEYOND, furthest
 from gui.window.widgets.head3d_paint import draw_lines
 
@@ -222,7 +222,8 @@ class HeadPad(TargetWidget):
 
     def _paint_captions(self, painter: QPainter) -> None:
         """Name the directions in words, because signs alone are ambiguous: in a corner only where it is free."""
-        font, whole = self.font(), QRectF(self.rect())
+        font, high = self.font(), min(self.height(), 2 * (self._outer + self._style.px(LINE_PX) + 6))
+        whole = QRectF(0, (self.height() - high) / 2, self.width(), high)
         font.setPixelSize(self._style.px(LINE_PX - 3))
         painter.setFont(font)
         painter.setPen(QColor(self._style.dim))
@@ -277,7 +278,9 @@ class HeadPanel(Panel):
         for number in self.numbers.values():
             number.setProperty("figure", True)  # noqa: FBT003 - a constant width while the head moves
         self.reports(self.pad.intent)
-        grid = spaced(QGridLayout(), 1)
+        self.table = QWidget()
+        """the numbers"""
+        grid = spaced(QGridLayout(self.table), 1, NO_MARGINS)
         grid.setHorizontalSpacing(4)
         for column_number, name in enumerate(COLUMNS, start=1):
             grid.setColumnStretch(column_number, 1)
@@ -289,7 +292,7 @@ class HeadPanel(Panel):
             title.setToolTip(texts(f"tip.{axis}"))
             grid.addWidget(title, line, 0)
         self._layout = in_column(
-            (self.pad, 1), in_column(None, grid), gap=4, margins=(6, 6, 6, 6), inside=self
+            (self.pad, 1), in_column(None, self.table), gap=4, margins=(6, 6, 6, 6), inside=self
         )
 
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802

@@ -15,6 +15,7 @@ from gui.console.state.intents import GrabHead, LiveHead, ReleaseHead
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
 from gui.window.widgets.controls import (
+    ChoiceButton,
     ChoiceCheck,
     in_column,
     in_row,
@@ -25,7 +26,10 @@ from gui.window.widgets.head import TargetWidget
 from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, grabbed
 from gui.window.widgets.head3d_paint import GHOST, Marks, apart, draw_lines, ghost, robot
 
-VIEWS: Final = {"front": Viewpoint(0.0), "behind": Viewpoint(180.0), "side": Viewpoint(90.0)}
+VIEWS: Final = {
+    name: Viewpoint(azimuth, zoom=1.16, height=0.066)  # nearer than the whole robot: the head is the star
+    for name, azimuth in (("front", 0.0), ("behind", 180.0), ("side", 90.0))
+}
 HALF_WIDTH: Final = 0.14
 """Half of the width (m) of a head that leans."""
 LIVE_MS: Final = 50
@@ -53,8 +57,10 @@ class Head3d(TargetWidget):
             button.setCheckable(True)
             button.clicked.connect(lambda _, name=name: self.look_from(VIEWS[name]))
         self.live, self.send = ChoiceCheck(texts, "live"), ChoiceCheck(texts, "send_on_release")
-        self.reports(self.live.intent, self.send.intent)
-        below = in_row(self.live, self.send, None, *self.views.values())
+        self.code = ChoiceButton(texts, "drawer")
+        self.code.hide()
+        self.reports(self.live.intent, self.send.intent, self.code.intent)
+        below = in_row(self.live, self.send, self.code, None, *self.views.values())
         in_column(self._names, (self._nothing, 1), below, margins=(9, 6, 9, 9), inside=self)
         self.camera = VIEWS["behind"]
         self._drag: Drag | None = None
@@ -91,7 +97,14 @@ class Head3d(TargetWidget):
     @property
     def controls_height(self) -> int:
         """Height of the controls at the lower edge (px)."""
-        return self.height() - min(control.y() for control in (self.live, *self.views.values()))
+        controls = (self.live, self.code, *self.views.values())
+        return self.height() - min(control.y() for control in controls if not control.isHidden())
+
+    def show_simple(self, *, simple: bool) -> None:
+        """Show the button of the code instead of the choices of a drag, which are made then."""
+        for box in (self.live, self.send):
+            box.setHidden(simple)
+        self.code.setVisible(simple)
 
     def show_view(self, view: HeadView) -> None:
         """Draw the robots and the target; name the robots and a silent one, or say that none is online."""
