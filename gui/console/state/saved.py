@@ -60,6 +60,8 @@ class Remembered(msgspec.Struct, frozen=True):
     """by how much the simulation leads the hardware (s); 0: they move at the same time"""
     send_on_release: bool = False
     """whether the target is sent when the user releases the head"""
+    facing: bool = True
+    """whether the user sees the head from the front; then the pad, the cards and the arrow keys are mirrored"""
     simple: bool = False
     """whether the window shows only what a beginner needs; a new user begins so"""
 

@@ -55,6 +55,7 @@ def head(memory: Memory, world: World) -> HeadView:
         tilt_max=limits.tilt_max,
         yaw_max=limits.yaw_max,
         path=() if path is None else tuple(HeadOrientation(*head) for head in path.head),
+        facing=memory.choices.facing,
         drag=_drag(memory, limits),
         send=button(
             memory.choices.texts, "head.send", SendHead(), off, yaw=aim.yaw, pitch=aim.pitch, roll=aim.roll
