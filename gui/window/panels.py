@@ -16,7 +16,7 @@ from gui.window.keys import KeySheet
 from gui.window.theme import style_of
 from gui.window.widgets.arms import ArmsPanel
 from gui.window.widgets.class_page import ClassPage
-from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, filled, spaced
+from gui.window.widgets.controls import NO_MARGINS, ChoiceButton, ChoiceCheck, Panel, filled, spaced
 from gui.window.widgets.eyes import EyesPanel
 from gui.window.widgets.gestures import GesturesPanel
 from gui.window.widgets.head import HeadPanel
@@ -34,6 +34,8 @@ LOW_PX = 680
 """Window height at scale 1 below which the tabs of the right column are tabs of the middle, and less room is reserved."""
 LOWER_PX = 138
 """Height at scale 1 of the low area in the middle, with its tabs."""
+SIMPLE_PX = 111
+"""The same without its tabs, in the simple window."""
 LEAST_PX = 818, 502
 """Width at scale 1, and height, of the room above STOP that texts need: Qt counts neither wrapped nor shortened ones."""
 
@@ -71,7 +73,9 @@ class Panels(QWidget):
         self.setLocale(QLocale(texts.code))
         self._texts = texts
         self._theme = Theme.DARK
-        self._low: bool | None = None
+        self._simple = self._drawer = False
+        self._arranged: tuple[bool, ...] | None = None
+        """low, simple and with the drawer: the present arrangement; None: there is none yet"""
         self._refusal: RefusalView | None = None
         self._parts: list[tuple[Panel, Callable[[View], object]]] = []
         self._shown: dict[Panel, object] = {}
@@ -102,7 +106,8 @@ class Panels(QWidget):
         self.connect_sheet = self._add(ConnectSheet(texts, self.pages), lambda view: view.connect)
         self.refusal = RefusalNotice(texts, self.pages)
         self.key_sheet = KeySheet(texts, self.pages)
-        self._boxes = self.findChildren(ChoiceCheck)
+        self._boxes: list[ChoiceCheck | ChoiceButton]
+        self._boxes = [*self.findChildren(ChoiceCheck), *self.findChildren(ChoiceButton)]
         self._connect()
 
     def _add(self, panel: P, part: Callable[[View], object]) -> P:
@@ -120,7 +125,7 @@ class Panels(QWidget):
         self.low_area.addTab(self.gestures, self._texts("label.gestures"))
         self.low_area.addTab(self.sequence, self._texts("label.sequence"))
         self._lay_out_columns()
-        inner = filled(spaced(QVBoxLayout(), 8, (8, 8, 8, 8)), self.header, self.banner, self.guide)
+        inner = filled(spaced(QVBoxLayout(), 6, (8, 5, 8, 5)), self.header, self.banner, self.guide)
         filled(spaced(QVBoxLayout(self.pages), None, NO_MARGINS), self.body, self.class_page)
         filled(inner, (self.pages, 1), self.trouble)
         self.area.setFrameShape(QFrame.Shape.NoFrame)
@@ -133,13 +138,13 @@ class Panels(QWidget):
         self._arrange()
 
     def _lay_out_columns(self) -> None:
-        left = filled(spaced(QVBoxLayout(), 8), (self.head, 1), self.sending, self.arms)
+        self._left = filled(spaced(QVBoxLayout(), 8), (self.head, 1), self.sending, self.arms)
         self._below = filled(spaced(QHBoxLayout(), 8), (self.low_area, 1))
         """the low area, and in a low window the commands beside it"""
         middle = filled(spaced(QVBoxLayout(), 8), (self.tabs, 1), self._below)
         self._right = filled(spaced(QVBoxLayout(), 8), (self.side, 1), self.commands)
         self._columns = spaced(QHBoxLayout(self.body), 8, NO_MARGINS)
-        filled(self._columns, left, middle, self._right)
+        filled(self._columns, self._left, middle, self._right)
 
     def _connect(self) -> None:
         for notice in (self.refusal, self.stop_bar):
@@ -153,27 +158,44 @@ class Panels(QWidget):
             self.intent.emit(Choose("tab", list(Tab)[number]))
 
     def _arrange(self) -> None:
-        """Arrange the widgets for the height of the window.
+        """Arrange the widgets for the height of the window, and the simple window or all.
 
         In a low window, history and code move to the middle column: there is no right one, and the pad is wider.
+        The simple window has no tabs; at its right is the code, if the user opens it.
         """
         colours = style_of(self._theme)
         self.area.widget().setMinimumSize(colours.px(LEAST_PX[0]), LEAST_PX[1])
-        low = self.height() < colours.px(LOW_PX)
-        self.low_area.setFixedHeight(colours.px(LOWER_PX))
-        if low == self._low:
+        low, simple = self.height() < colours.px(LOW_PX), self._simple
+        self.low_area.setFixedHeight(colours.px(SIMPLE_PX if simple else LOWER_PX))
+        for tabs in (self.tabs, self.low_area):  # the hidden tabs are wider
+            tabs.setMinimumWidth(self.head3d.minimumSizeHint().width() if simple else 0)
+        if (arranged := (low, simple, self._drawer)) == self._arranged:
             return
-        self._low = low
-        for part in (self.sending, self.arms):
-            part.show_compact(compact=low)
-        home, shown = self.tabs if low else self.side, self.tabs.currentIndex()
+        self._arranged = arranged
+        self.sending.show_compact(compact=low or simple)
+        self.arms.show_compact(compact=low)
+        for part in (self.head3d, self.sending, self.commands):
+            part.show_simple(simple=simple)
+        for widget in (
+            self.head.table,
+            self.arms,
+            self.tabs.tabBar(),
+            self.low_area.tabBar(),
+            self.side.tabBar(),
+        ):
+            widget.setHidden(simple)
+        home, shown = self.tabs if low and not simple else self.side, self.tabs.currentIndex()
         home.addTab(self.history, self._texts("label.history"))
         home.addTab(self.code, self._texts("label.code"))
-        (self._below if low else self._right).addWidget(self.commands)
-        self.side.setVisible(not low)
-        for column, stretch in enumerate((3, 4, 0) if low else (3, 5, 2)):
+        (self._left if simple else self._below if low else self._right).addWidget(self.commands)
+        self.side.setVisible(self._drawer if simple else not low)
+        widths = (1, 4, 3 * self._drawer) if simple else (3, 4, 0) if low else (3, 5, 2)
+        for column, stretch in enumerate(widths):
             self._columns.setStretch(column, stretch)
-        self.tabs.setCurrentIndex(min(shown, self.tabs.count() - 1))
+        self.tabs.setCurrentIndex(0 if simple else min(shown, self.tabs.count() - 1))
+        if simple:
+            self.low_area.setCurrentWidget(self.gestures)
+            self.side.setCurrentWidget(self.code)
 
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
         super().resizeEvent(event)
@@ -194,6 +216,8 @@ class Panels(QWidget):
         """Pass each part of the view that has changed to its widget."""
         for box in self._boxes:
             box.setChecked(getattr(view.choices, box.name))
+        self._simple, self._drawer = view.choices.simple, view.choices.simple and view.choices.drawer
+        self._arrange()
         for panel, part in self._parts:
             shown = part(view)
             if shown != self._shown.get(panel):

@@ -97,6 +97,7 @@ def test_dragging_the_face_to_the_right_turns_the_nose_to_the_right_of_the_pictu
         assert target(panel).pitch < before.pitch - 8  # nose up
         assert target(panel).roll == 0
         assert intents()[-1] == ReleaseHead()
+        assert present(panel._view).facing is (view == "front"), "the pad turns with the view"
         QTest.keyClick(panel, Qt.Key.Key_Space)
 
 
@@ -116,6 +117,13 @@ def test_dragging_beside_the_head_moves_the_camera(panel: Head3d, intents: Taken
     QTest.mouseClick(panel.views["side"], LEFT)
     assert panel.camera == VIEWS["side"]
     assert panel.views["side"].isChecked()
+
+
+def test_the_pad_turns_with_a_view_that_is_dragged_to_the_other_side(panel: Head3d, intents: Taken) -> None:
+    drag(panel, QPoint(30, 200), QPoint(320, 200))
+    assert intents() == [Choose("facing", value=False)]
+    assert not present(panel._view).facing
+    assert panel.camera.azimuth == 215.0, "the view stays where the user dragged it"
 
 
 def test_live_reports_while_the_mouse_moves_and_only_if_it_was_chosen(panel: Head3d, intents: Taken) -> None:

@@ -154,15 +154,22 @@ DRAGS = {"nose down": (0, 1), "nose up": (0, -1), "right ear down": (1, 0), "lef
 """Directions of a drag to the right and down, by what the head does."""
 
 
-def test_dragging_the_disc_or_the_ring_changes_its_angles_only(window: Window, intents: Taken) -> None:
+@pytest.mark.parametrize("facing", [True, False])
+def test_dragging_the_disc_or_the_ring_changes_its_angles_only(
+    window: Window, state: ShownState, intents: Taken, *, facing: bool
+) -> None:
     pad = window.panels.head.pad
+    state.shown = replace(state.shown, head=replace(state.shown.head, facing=facing))
+    window.refresh()
     middle = QPointF(pad.width() / 2, pad.height() / 2)
     for name, (right, down) in DRAGS.items():
-        drag(pad, middle.toPoint(), (middle + QPointF(40 * right, 40 * down)).toPoint())
+        across = -40 * right if facing else 40 * right  # who faces a robot sees its right ear at the left
+        drag(pad, middle.toPoint(), (middle + QPointF(across, 40 * down)).toPoint())
         aim = [intent for intent in intents() if isinstance(intent, AimHead)][-1]
         assert (round(aim.roll, -1) > 0) - (aim.roll < -5) == right, name
         assert (round(aim.pitch, -1) > 0) - (aim.pitch < -5) == down, name
         assert aim.yaw == 20.0, "the ring stays where it was"
+    assert (pad.yaw_point(40.0).x() > middle.x()) is facing
     for yaw in (-170.0, -90.0, 0.0, 45.0, 120.0):
         drag(pad, pad.yaw_point(10.0).toPoint(), pad.yaw_point(yaw).toPoint())
         aim = [intent for intent in intents() if isinstance(intent, AimHead)][-1]

@@ -18,7 +18,17 @@ from recording_link import RecordingLink
 
 from gui.console.state.actions import BeginRecording, LookForPorts, Send, SendStop, UseRouter
 from gui.console.state.connecting import CloseConnect
-from gui.console.state.intents import AddPose, AimHead, EmergencyStop, Intent, Jog, SendHead, Stop, Undo
+from gui.console.state.intents import (
+    AddPose,
+    AimHead,
+    Choose,
+    EmergencyStop,
+    Intent,
+    Jog,
+    SendHead,
+    Stop,
+    Undo,
+)
 from gui.console.state.world import PlanPhase
 from gui.window.window import Window
 
@@ -223,9 +233,14 @@ STEPS = [
 ]
 
 
-def test_arrow_keys_move_the_target(qtbot: QtBot, window: Window, intents: Taken) -> None:
+@pytest.mark.parametrize("facing", [True, False])
+def test_arrow_keys_move_the_target_as_the_picture_shows_it(
+    qtbot: QtBot, window: Window, intents: Taken, *, facing: bool
+) -> None:
+    window.handle(Choose("facing", facing))
     focus(qtbot, window.panels.head.pad)
-    for key, step in STEPS:
+    for key, (yaw, pitch, roll) in STEPS:
+        step = (-yaw, pitch, -roll) if facing else (yaw, pitch, roll)
         for modifier, size in (
             (Qt.KeyboardModifier.NoModifier, 1.0),
             (Qt.KeyboardModifier.ShiftModifier, 5.0),
@@ -233,7 +248,7 @@ def test_arrow_keys_move_the_target(qtbot: QtBot, window: Window, intents: Taken
             window.handle(AimHead(0.0, 0.0, 0.0))
             intents()
             press(key, modifier)
-            assert intents() == [AimHead(*(size * angle for angle in step))]
+            assert intents() == [AimHead(*(size * angle + 0.0 for angle in step))]
 
 
 def test_the_focus_of_a_button_that_vanishes_goes_to_stop(

@@ -9,15 +9,16 @@ from itertools import product
 import pytest
 from contrast import contrast, luminance
 from gui_views import STATES, example
+from msgspec import structs
 from PyQt5.QtCore import QRect, QSize, Qt
 from PyQt5.QtGui import QTextDocumentFragment
 from PyQt5.QtWidgets import QAbstractButton, QApplication, QLabel, QToolButton, QWidget
 from pytestqt.qtbot import QtBot
-from recording_link import RecordingLink, ShownState
+from recording_link import RecordingLink, ShownState, WatchedState
 
 from gui.console.state.actions import LookForPorts
 from gui.console.state.intents import Choose, Theme
-from gui.console.state.views import Condition
+from gui.console.state.views import Condition, View
 from gui.console.state.world import Trouble
 from gui.console.texts import LANGUAGES
 from gui.window.run import SIZE, show
@@ -161,9 +162,50 @@ def test_no_text_and_no_widget_is_cut_off(qtbot: QtBot, theme: Theme, language: 
         found += faults(window, size, "code and sequence")
         window.panels.low_area.setCurrentIndex(0)
         window.panels.tabs.setCurrentIndex(0)
+        for name, drawer in product(("preview", "refusal", "taken"), (False, True)):
+            state.shown = simple(example(name, theme, language), drawer=drawer)
+            window.refresh()
+            found += faults(window, size, f"{name}, simple, code {drawer}")
     window.close()
     window.deleteLater()
     assert not found, "\n".join(sorted(set(found)))
+
+
+def simple(view: View, *, drawer: bool) -> View:
+    """Return a view of the simple window."""
+    return replace(view, choices=structs.replace(view.choices, simple=True, drawer=drawer))
+
+
+def test_in_the_simple_window_the_head_is_the_star(window: Window, state: WatchedState) -> None:
+    panels = window.panels
+    hidden = (
+        panels.arms,
+        panels.head.table,
+        panels.history,
+        panels.sequence,
+        panels.sending.lead,
+        panels.head3d.live,
+    )
+    window.handle(Choose("tab", "plots"))
+    for share, drawer in ((0.5, False), (0.25, True)):
+        for name, value in (("simple", True), ("drawer", drawer)):
+            window.handle(Choose(name, value))
+        assert not list(faults(window, SIZE, "simple"))
+        area = panels.head3d.width() * panels.head3d.height()
+        assert area / (window.width() * window.height()) > share
+        assert panels.head3d.isVisible(), "not the tab that was chosen before"
+        assert panels.code.isVisible() is drawer
+        assert not any(part.isVisible() for part in hidden)
+        for part in (
+            panels.head.pad,
+            panels.sending.send,
+            panels.gestures,
+            panels.stop_bar,
+            panels.head3d.code,
+        ):
+            assert part.isVisible()
+    window.handle(Choose("simple", value=False))
+    assert all(part.isVisible() for part in hidden if part is not panels.sequence)
 
 
 def test_the_sheet_that_connects_grows_with_its_message(window: Window, link: RecordingLink) -> None:

@@ -42,7 +42,7 @@ def begin_again(window: Window, link: RecordingLink, state: WatchedState | Shown
     panels._shown.clear()
     for sheet in (panels.key_sheet, panels.connect_sheet):
         sheet.hide()
-    panels.head3d.look_from(VIEWS["behind"])
+    panels.head3d.look_from(VIEWS["front"])
     window.refresh()
     qApp.installEventFilter(window.keys)
     window._timer.start(PERIOD_MS)

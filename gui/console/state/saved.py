@@ -60,6 +60,10 @@ class Remembered(msgspec.Struct, frozen=True):
     """by how much the simulation leads the hardware (s); 0: they move at the same time"""
     send_on_release: bool = False
     """whether the target is sent when the user releases the head"""
+    facing: bool = True
+    """whether the user sees the head from the front; then the pad, the cards and the arrow keys are mirrored"""
+    simple: bool = False
+    """whether the window shows only what a beginner needs; a new user begins so"""
 
 
 class Saved(Remembered, frozen=True):
@@ -88,11 +92,11 @@ def merged(before: Saved, mine: Saved, theirs: Saved) -> Saved:
 
 
 def load(file: Path) -> Saved:
-    """Return the saved choices; the defaults if there are none, or they cannot be read."""
+    """Return the saved choices; those of a new user if there are none, or they cannot be read."""
     try:
         return msgspec.json.decode(files.text(file, LONGEST, "JSON"), type=Saved)
     except (OSError, WrongUsage, msgspec.DecodeError):
-        return Saved()
+        return Saved(simple=True)
 
 
 def save(file: Path, saved: Saved) -> None:
@@ -119,6 +123,8 @@ class Choices(Remembered, frozen=True):
     loop: bool = False
     """whether a play of the sequence repeats until STOP or a newer request"""
     tab: Tab = Tab.HEADS
+    drawer: bool = False
+    """whether the code is open beside the head, in the simple window"""
     page: WindowPage = WindowPage.ROBOT
     target: HeadOrientation | None = None
     """target of the head pad; None: the target follows the head"""
@@ -127,6 +133,16 @@ class Choices(Remembered, frozen=True):
     def sides(self) -> tuple[str, ...]:
         """The robots whose boxes are checked."""
         return ("sim",) * self.sim + ("hw",) * self.hw
+
+    @property
+    def follows(self) -> bool:
+        """Whether the simulation follows a drag; in the simple window it always does."""
+        return self.live or (self.simple and self.sim)
+
+    @property
+    def sends(self) -> bool:
+        """Whether the end of a drag sends the target."""
+        return self.send_on_release or self.simple
 
     @property
     def texts(self) -> Texts:

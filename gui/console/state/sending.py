@@ -55,6 +55,7 @@ def head(memory: Memory, world: World) -> HeadView:
         tilt_max=limits.tilt_max,
         yaw_max=limits.yaw_max,
         path=() if path is None else tuple(HeadOrientation(*head) for head in path.head),
+        facing=memory.choices.facing,
         drag=_drag(memory, limits),
         send=button(
             memory.choices.texts, "head.send", SendHead(), off, yaw=aim.yaw, pitch=aim.pitch, roll=aim.roll
@@ -198,7 +199,7 @@ def _drag(memory: Memory, limits: LimitsData) -> DragView:
         query = request.query
         refused = head_of(query)
         reason = choices.texts(REASONS.get(refusal.outcome.reason, "refused.other"))
-    return DragView(choices.live, border_deg(limits.tilt_max, limits.gap_min), refused, reason)
+    return DragView(choices.follows, border_deg(limits.tilt_max, limits.gap_min), refused, reason)
 
 
 def grab(memory: Memory, _world: World, _intent: intents.GrabHead) -> list[Action]:
@@ -209,7 +210,9 @@ def grab(memory: Memory, _world: World, _intent: intents.GrabHead) -> list[Actio
 
 def live(memory: Memory, world: World, _intent: LiveHead) -> list[Action]:
     """Return the action with which the simulation follows a drag, if that was chosen."""
-    return _follow(memory, world) if memory.choices.live and memory.live_row not in (STOPPED, REFUSED) else []
+    return (
+        _follow(memory, world) if memory.choices.follows and memory.live_row not in (STOPPED, REFUSED) else []
+    )
 
 
 def release(memory: Memory, world: World, _intent: intents.ReleaseHead) -> list[Action]:
@@ -217,8 +220,11 @@ def release(memory: Memory, world: World, _intent: intents.ReleaseHead) -> list[
     target, ended = memory.choices.target, memory.live_row in (STOPPED, REFUSED)
     if memory.live_row == REFUSED:
         memory.live_row = None
-    if target is None or ended or not memory.choices.send_on_release:
+    if target is None or ended or not memory.choices.sends:
         return []
+    followed = memory.live_row is not None and memory.choices.sides == ("sim",)
+    if followed and _inside(world, target) == (target.pitch, target.roll):
+        return []  # the simulation goes there already
     return send_head(memory, world, target, PAD)
 
 

@@ -78,6 +78,7 @@ def view(memory: Memory, world: World) -> SequenceView:
         ),
         hardware=button(texts, "sequence.hardware", intents.PlaySequence("hw"), hardware if poses else NONE),
         played=world.playing_pose,
+        facing=memory.choices.facing,
     )
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from msgspec import structs
+
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import (
     arms,
@@ -21,7 +23,7 @@ from gui.console.state import (
     sequence,
 )
 from gui.console.state.actions import Action, Outcome
-from gui.console.state.intents import Choose, Intent, WindowPage
+from gui.console.state.intents import Choose, Intent, Tab, WindowPage
 from gui.console.state.memory import Handles, Memory, pass_on
 from gui.console.state.saved import Choices, Saved, changed, remembered
 from gui.console.state.views import HistoryRowView, View
@@ -33,6 +35,8 @@ DEFAULTS = Saved()
 def choose(memory: Memory, world: World, intent: Choose) -> list[Action]:
     """Change a choice, and return the actions that follow from it; a value that no widget reports changes nothing."""
     memory.choices = changed(memory.choices, intent.name, intent.value) or memory.choices
+    if memory.choices.simple:
+        memory.choices = structs.replace(memory.choices, tab=Tab.HEADS)
     refusals.hide_answered(memory, intent)
     return sending.spare_hardware(memory, world, intent)
 

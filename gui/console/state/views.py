@@ -126,6 +126,8 @@ class HeadView:
     """limit in both directions (deg)"""
     path: tuple[HeadOrientation, ...]
     """the previewed path; empty: none"""
+    facing: bool
+    """whether the pad shows the head from the front, so that its left is at the right"""
     drag: DragView
     send: ButtonView
     refusal: RefusalView | None = None
@@ -269,6 +271,8 @@ class SequenceView:
     hardware: ButtonView
     played: int = -1
     """number of the card that is being played, from 0; -1: none"""
+    facing: bool = True
+    """whether the cards show the heads as a viewer in front of them sees them, or as in a mirror"""
 
 
 @dataclass(frozen=True)

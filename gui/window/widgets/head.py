@@ -6,15 +6,15 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from PyQt5.QtCore import QPointF, QRectF, Qt
+from PyQt5.QtCore import QPointF, QRectF, Qt, QTimer
 from PyQt5.QtGui import QBrush, QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPolygonF, QResizeEvent
-from PyQt5.QtWidgets import QBoxLayout, QGridLayout, QSizePolicy
+from PyQt5.QtWidgets import QBoxLayout, QGridLayout, QSizePolicy, QWidget
 
-from gui.console.state.intents import AimHead, HeadOrientation, Theme
+from gui.console.state.intents import AimHead, GrabHead, HeadOrientation, LiveHead, ReleaseHead, Theme
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
 from gui.window.theme import Style, style_of
-from gui.window.widgets.controls import Panel, in_column, label, named, spaced
+from gui.window.widgets.controls import NO_MARGINS, Panel, in_column, label, named, spaced
 from gui.window.widgets.head3d_drag import BEYOND, furthest
 from gui.window.widgets.head3d_paint import draw_lines
 
@@ -31,6 +31,8 @@ KEYS = {
 """Step of each key in yaw, pitch and roll (deg)."""
 COARSE_DEG = 5.0
 """The step with Shift."""
+LIVE_MS = 50
+"""Time between two targets for a simulation that follows a drag."""
 LINE_PX = 14
 """Height of a line of the captions at scale 1."""
 UP, DOWN = Qt.AlignmentFlag.AlignTop, Qt.AlignmentFlag.AlignBottom
@@ -44,6 +46,8 @@ CAPTIONS = {
     "right": DOWN | RIGHT,
 }
 """Place of each caption."""
+FACING = {"left": "right", "right": "left", "yaw_left": "facing_left", "yaw_right": "facing_right"}
+"""The captions there if the user faces the robot."""
 
 
 AXES = ("yaw", "pitch", "roll")
@@ -62,6 +66,9 @@ class TargetWidget(Panel):
         self._style: Style = style_of(Theme.DARK)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+        self._live = QTimer(self)
+        self._live.setInterval(LIVE_MS)
+        self._live.timeout.connect(lambda: self.intent.emit(LiveHead()))
         self.setProperty("sends", True)  # noqa: FBT003
         named(self, name, tip)
 
@@ -83,9 +90,27 @@ class TargetWidget(Panel):
             self._view = shown
             self.update()
 
+    @property
+    def _right(self) -> float:
+        """1 if the right of the robot is at the right of the pad; -1 if the user faces it."""
+        return -1.0 if self._view is not None and self._view.facing else 1.0
+
     def _report(self, target: HeadOrientation) -> None:
         if self._view is None or target != self._view.target:
             self.intent.emit(AimHead(*target.tenths))
+
+    def _follow(self) -> None:
+        """Let the simulation follow the drag, if that was chosen."""
+        if self._view is not None and self._view.drag.live and not self._live.isActive():
+            self.intent.emit(LiveHead())
+            self._live.start()
+
+    def _let_go(self) -> None:
+        """End a drag."""
+        if self._live.isActive():
+            self._live.stop()
+            self.intent.emit(LiveHead())  # the last target
+        self.intent.emit(ReleaseHead())
 
     def keyPressEvent(self, event: QKeyEvent) -> None:  # noqa: N802
         """Move the target, turned within the limit of yaw; other keys are Qt's."""
@@ -96,8 +121,8 @@ class TargetWidget(Panel):
         size = COARSE_DEG if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1.0
         yaw, pitch, roll = (part * size for part in step)
         target, limit = view.target, view.yaw_max
-        turned = max(-limit, min(limit, target.yaw + yaw))
-        self._report(HeadOrientation(turned, target.pitch + pitch, target.roll + roll))
+        turned = max(-limit, min(limit, target.yaw + yaw * self._right))
+        self._report(HeadOrientation(turned, target.pitch + pitch, target.roll + roll * self._right))
 
 
 class HeadPad(TargetWidget):
@@ -107,7 +132,7 @@ class HeadPad(TargetWidget):
         super().__init__(texts("label.head"), texts("tip.head_pad"))
         self._aim: Callable[[QPointF], None] | None = None
         """what the mouse drags: `_turn` or `_tilt`"""
-        self._captions = {name: texts(f"label.pad_{name}") for name in CAPTIONS}
+        self._captions = {name: texts(f"label.pad_{name}") for name in (*CAPTIONS, *FACING.values())}
         self.setCursor(Qt.CursorShape.CrossCursor)
         self.setMinimumSize(140, 72)
 
@@ -131,9 +156,9 @@ class HeadPad(TargetWidget):
         return self._outer * (1 - RING) - 3
 
     def tilt_point(self, at: HeadOrientation, tilt_max: float) -> QPointF:
-        """Return the point of pitch and roll (deg) on the disc: nose down is down, right ear down is right."""
+        """Return the point of pitch and roll (deg) on the disc: nose down is down, an ear down is at its side."""
         scale = self._disc / (tilt_max * BEYOND)
-        x, y = at.roll * scale, at.pitch * scale
+        x, y = at.roll * scale * self._right, at.pitch * scale
         shrink = min(1.0, self._disc / max(math.hypot(x, y), 1e-9))
         return self._centre + QPointF(x, y) * shrink
 
@@ -146,14 +171,14 @@ class HeadPad(TargetWidget):
         )
 
     def yaw_point(self, yaw: float) -> QPointF:
-        """Return the point of a yaw (deg) on the ring: 0 is up, left is left."""
-        angle, radius = math.radians(yaw), self._outer * (1 - RING / 2)
+        """Return the point of a yaw (deg) on the ring: 0 is up."""
+        angle, radius = math.radians(yaw) * self._right, self._outer * (1 - RING / 2)
         return self._centre + QPointF(-math.sin(angle) * radius, -math.cos(angle) * radius)
 
     def _turn(self, offset: QPointF) -> None:
         """Aim at a point of the ring, by its offset from the middle."""
         if self._view is not None:
-            yaw, limit = math.degrees(math.atan2(-offset.x(), -offset.y())), self._view.yaw_max
+            yaw, limit = math.degrees(math.atan2(-offset.x() * self._right, -offset.y())), self._view.yaw_max
             self._report(replace(self._view.target, yaw=max(-limit, min(limit, yaw))))
 
     def _tilt(self, offset: QPointF) -> None:
@@ -161,7 +186,8 @@ class HeadPad(TargetWidget):
         if self._view is not None:
             offset *= min(1.0, self._disc / max(math.hypot(offset.x(), offset.y()), 1e-9))
             scale = self._view.tilt_max * BEYOND / self._disc
-            self._report(replace(self._view.target, pitch=offset.y() * scale, roll=offset.x() * scale))
+            roll = offset.x() * scale * self._right
+            self._report(replace(self._view.target, pitch=offset.y() * scale, roll=roll))
 
     # Mouse
 
@@ -172,14 +198,18 @@ class HeadPad(TargetWidget):
         reach = math.hypot(offset.x(), offset.y())
         if reach <= self._outer + 4:
             self._aim = self._tilt if reach <= self._disc + 1 else self._turn
+            self.intent.emit(GrabHead())
             self._aim(offset)
 
     def mouseMoveEvent(self, event: QMouseEvent) -> None:  # noqa: N802
         if self._aim is not None:
             self._aim(event.localPos() - self._centre)
+            self._follow()
 
     def mouseReleaseEvent(self, _event: QMouseEvent) -> None:  # noqa: N802
-        self._aim = None
+        if self._aim is not None:
+            self._aim = None
+            self._let_go()
 
     # Drawing
 
@@ -222,14 +252,16 @@ class HeadPad(TargetWidget):
 
     def _paint_captions(self, painter: QPainter) -> None:
         """Name the directions in words, because signs alone are ambiguous: in a corner only where it is free."""
-        font, whole = self.font(), QRectF(self.rect())
+        font, high = self.font(), min(self.height(), 2 * (self._outer + self._style.px(LINE_PX) + 6))
+        whole = QRectF(0, (self.height() - high) / 2, self.width(), high)
         font.setPixelSize(self._style.px(LINE_PX - 3))
         painter.setFont(font)
         painter.setPen(QColor(self._style.dim))
         for name, alignment in CAPTIONS.items():
-            place = painter.boundingRect(whole, int(alignment), self._captions[name])
+            text = self._captions[FACING.get(name, name) if self._right < 0 else name]
+            place = painter.boundingRect(whole, int(alignment), text)
             if alignment & MIDDLE or self._is_beside_ring(place):
-                painter.drawText(place, int(Qt.AlignmentFlag.AlignCenter), self._captions[name])
+                painter.drawText(place, int(Qt.AlignmentFlag.AlignCenter), text)
 
     def _is_beside_ring(self, place: QRectF) -> bool:
         """Return whether the corner of a place that is nearest to the middle is outside of the ring and its marks."""
@@ -277,7 +309,9 @@ class HeadPanel(Panel):
         for number in self.numbers.values():
             number.setProperty("figure", True)  # noqa: FBT003 - a constant width while the head moves
         self.reports(self.pad.intent)
-        grid = spaced(QGridLayout(), 1)
+        self.table = QWidget()
+        """the numbers"""
+        grid = spaced(QGridLayout(self.table), 1, NO_MARGINS)
         grid.setHorizontalSpacing(4)
         for column_number, name in enumerate(COLUMNS, start=1):
             grid.setColumnStretch(column_number, 1)
@@ -289,7 +323,7 @@ class HeadPanel(Panel):
             title.setToolTip(texts(f"tip.{axis}"))
             grid.addWidget(title, line, 0)
         self._layout = in_column(
-            (self.pad, 1), in_column(None, grid), gap=4, margins=(6, 6, 6, 6), inside=self
+            (self.pad, 1), in_column(None, self.table), gap=4, margins=(6, 6, 6, 6), inside=self
         )
 
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802

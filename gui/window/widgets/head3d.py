@@ -6,15 +6,16 @@ import math
 from dataclasses import replace
 from typing import Final
 
-from PyQt5.QtCore import QPoint, QPointF, Qt, QTimer
+from PyQt5.QtCore import QPoint, QPointF, Qt
 from PyQt5.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
 from PyQt5.QtWidgets import QLabel
 
 from beatrix_zenoh.body.scene import Screen, Viewpoint
-from gui.console.state.intents import GrabHead, LiveHead, ReleaseHead
+from gui.console.state.intents import Choose, GrabHead
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
 from gui.window.widgets.controls import (
+    ChoiceButton,
     ChoiceCheck,
     in_column,
     in_row,
@@ -25,11 +26,13 @@ from gui.window.widgets.head import TargetWidget
 from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, grabbed
 from gui.window.widgets.head3d_paint import GHOST, Marks, apart, draw_lines, ghost, robot
 
-VIEWS: Final = {"front": Viewpoint(0.0), "behind": Viewpoint(180.0), "side": Viewpoint(90.0)}
+VIEWS: Final = {
+    name: Viewpoint(azimuth, zoom=1.16, height=0.066)  # nearer than the whole robot: the head is the star
+    for name, azimuth in (("front", 0.0), ("behind", 180.0), ("side", 90.0))
+}
+SIDEWAYS: Final = 1e-6
 HALF_WIDTH: Final = 0.14
 """Half of the width (m) of a head that leans."""
-LIVE_MS: Final = 50
-"""Time between two targets for a simulation that follows a drag."""
 ORBIT_DEG: Final = 0.5
 """Turn of the camera for a pixel."""
 LOWEST_DEG: Final = -10.0
@@ -51,19 +54,18 @@ class Head3d(TargetWidget):
         self.views = {name: plain_button(texts(f"view.{name}"), texts("tip.view")) for name in VIEWS}
         for name, button in self.views.items():
             button.setCheckable(True)
-            button.clicked.connect(lambda _, name=name: self.look_from(VIEWS[name]))
+            button.clicked.connect(lambda _, name=name: self._go(VIEWS[name]))
         self.live, self.send = ChoiceCheck(texts, "live"), ChoiceCheck(texts, "send_on_release")
-        self.reports(self.live.intent, self.send.intent)
-        below = in_row(self.live, self.send, None, *self.views.values())
+        self.code = ChoiceButton(texts, "drawer")
+        self.code.hide()
+        self.reports(self.live.intent, self.send.intent, self.code.intent)
+        below = in_row(self.live, self.send, self.code, None, *self.views.values())
         in_column(self._names, (self._nothing, 1), below, margins=(9, 6, 9, 9), inside=self)
-        self.camera = VIEWS["behind"]
+        self.camera = VIEWS["front"]
         self._drag: Drag | None = None
         self._orbit: QPointF | None = None
         self._over: Part | None = None
         self._covered = 0
-        self._live = QTimer(self)
-        self._live.setInterval(LIVE_MS)
-        self._live.timeout.connect(lambda: self.intent.emit(LiveHead()))
         self.setMouseTracking(True)
         self.setMinimumSize(160, 130)
         self.look_from(self.camera)
@@ -89,13 +91,34 @@ class Head3d(TargetWidget):
         self.update()
 
     @property
+    def _faces(self) -> bool:
+        """Whether the camera is in front of the robot, or beside it."""
+        return math.cos(math.radians(self.camera.azimuth)) > -SIDEWAYS
+
+    def _go(self, camera: Viewpoint) -> None:
+        """Look from elsewhere, as the user wants; the pad turns with the view."""
+        before = self._faces
+        self.look_from(camera)
+        if self._faces is not before:
+            self.intent.emit(Choose("facing", self._faces))
+
+    @property
     def controls_height(self) -> int:
         """Height of the controls at the lower edge (px)."""
-        return self.height() - min(control.y() for control in (self.live, *self.views.values()))
+        controls = (self.live, self.code, *self.views.values())
+        return self.height() - min(control.y() for control in controls if not control.isHidden())
+
+    def show_simple(self, *, simple: bool) -> None:
+        """Show the button of the code instead of the choices of a drag, which are made then."""
+        for box in (self.live, self.send):
+            box.setHidden(simple)
+        self.code.setVisible(simple)
 
     def show_view(self, view: HeadView) -> None:
         """Draw the robots and the target; name the robots and a silent one, or say that none is online."""
         super().show_view(view)
+        if view.facing is not self._faces:
+            self.look_from(VIEWS["front" if view.facing else "behind"])
         names = [
             (f"{symbol} {self._texts(f'side.{side}')}", self._style.side(side))
             for symbol, side in (("■", "hw"), ("+", "sim"))
@@ -131,15 +154,13 @@ class Head3d(TargetWidget):
         if self._drag is not None:
             target = self._drag.at(at.x(), at.y(), view.tilt_max * BEYOND, view.yaw_max)
             self._report(target)
-            if view.drag.live and not self._live.isActive():
-                self.intent.emit(LiveHead())
-                self._live.start()
+            self._follow()
         elif self._orbit is not None:
             way, self._orbit = at - self._orbit, at
             camera = self.camera
             azimuth = (camera.azimuth - way.x() * ORBIT_DEG) % 360.0
             elevation = max(LOWEST_DEG, min(HIGHEST_DEG, camera.elevation + way.y() * ORBIT_DEG))
-            self.look_from(replace(camera, azimuth=azimuth, elevation=elevation))
+            self._go(replace(camera, azimuth=azimuth, elevation=elevation))
         else:
             self._hover(grabbed(self.screen3d, view, at.x(), at.y()))
 
@@ -151,12 +172,9 @@ class Head3d(TargetWidget):
     def _release(self) -> None:
         if self._drag is None:
             return
-        follows, self._drag = self._live.isActive(), None
-        self._live.stop()
+        self._drag = None
         self.setCursor(Qt.CursorShape.OpenHandCursor)
-        if follows:
-            self.intent.emit(LiveHead())  # the last target
-        self.intent.emit(ReleaseHead())
+        self._let_go()
         self.update()
 
     def wheelEvent(self, event: QWheelEvent) -> None:  # noqa: N802

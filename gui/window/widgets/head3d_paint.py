@@ -89,8 +89,8 @@ def ghost(head: HeadOrientation, screen: Screen, ratio: float, tint: str) -> QIm
 
 
 @lru_cache(maxsize=64)
-def portrait(head: HeadOrientation | None, side: int, ratio: float) -> QImage:
-    """Return the head alone from the front in a square of this side (px), but with the robot's left at the left.
+def portrait(head: HeadOrientation | None, side: int, ratio: float, *, facing: bool = True) -> QImage:
+    """Return the head alone from the front in a square of this side (px); not `facing`: its left is at the left.
 
     Without a head the square is empty.
     """
@@ -99,7 +99,7 @@ def portrait(head: HeadOrientation | None, side: int, ratio: float) -> QImage:
         if head is not None:
             shown = tuple(mesh for mesh in meshes(_figure()) if mesh.body == "head")
             _paint_faces(painter, head, screen, shown, None)
-    return image.mirrored(horizontal=True, vertical=False)
+    return image if facing else image.mirrored(horizontal=True, vertical=False)
 
 
 @contextmanager

@@ -21,6 +21,7 @@ from gui.window.theme import CONDITION_ROLES
 from gui.window.widgets.controls import (
     NO_MARGINS,
     SEPARATOR,
+    ChoiceCheck,
     ElidedLabel,
     IntentButton,
     NameBox,
@@ -95,7 +96,8 @@ class RecordButtons(Panel):
     def __init__(self) -> None:
         super().__init__()
         self.open, self.toggle = self.button(), self.button()
-        self.toggle.setObjectName("record")  # wide enough for a duration, so that it stays under the mouse
+        for button in (self.open, self.toggle):
+            button.setObjectName("record")  # wide enough for a duration, so that it stays under the mouse
         in_row(self.open, self.toggle, gap=4, margins=NO_MARGINS, inside=self)
 
     def show_view(self, view: RecordView) -> None:
@@ -167,12 +169,13 @@ class Header(Panel):
         self.pills = {side: Pill(side, texts) for side in SIDES}
         self.page, self.record = self.button(), RecordButtons()
         self.page.hide()
+        self.simple = ChoiceCheck(texts, "simple")
         self.menu_button = plain_button("≡", texts("tip.menu"), texts("label.menu"))
         self.menu, self.choices = self._menu(texts)
         self.menu_button.clicked.connect(self._open_menu)
-        self.reports(self.record.intent, *(pill.intent for pill in self.pills.values()))
+        self.reports(self.simple.intent, self.record.intent, *(pill.intent for pill in self.pills.values()))
         sim, hw = ((pill, 1) for pill in self.pills.values())
-        parts = self.robots, self.page, sim, hw, self.record, self.menu_button
+        parts = self.robots, self.page, sim, hw, in_column(self.record, self.simple, gap=0), self.menu_button
         in_row(*parts, gap=4, margins=NO_MARGINS, inside=self)
 
     def _menu(self, texts: Texts) -> tuple[QMenu, dict[str, QAction]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from PyQt5.QtCore import QSignalBlocker, Qt, pyqtSignal
-from PyQt5.QtWidgets import QLayout, QProgressBar, QPushButton, QSizePolicy, QWidget
+from PyQt5.QtWidgets import QBoxLayout, QLayout, QProgressBar, QPushButton, QSizePolicy, QWidget
 
 from gui.console.state.commands import DAILY
 from gui.console.state.intents import Choose, WindowPage
@@ -54,13 +54,21 @@ class SendingPanel(Panel):
 
     def _lay_out(self) -> None:
         to = in_row(self.sim, self.hw, None, self.lead_name, self.lead)
-        send = in_row((self.send, 1), (in_column(self.title, self.progress, gap=2), 1), gap=10)
+        self._send = in_row((self.send, 1), (in_column(self.title, self.progress, gap=2), 1), gap=10)
         buttons = (self.send_now, 1), (self.change, 1), (self.abort, 1)
         in_row(*buttons, margins=NO_MARGINS, inside=self.plan)
         self.text.setAlignment(Qt.AlignmentFlag.AlignTop)
         for part in (self.title, self.text):  # longer texts must not widen the column
             part.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
-        in_column(to, send, self.text, self.plan, gap=4, margins=(8, 8, 8, 8), inside=self)
+        in_column(to, self._send, self.text, self.plan, gap=4, margins=(8, 8, 8, 8), inside=self)
+
+    def show_simple(self, *, simple: bool) -> None:
+        """Hide the lead, and show what the robots do below Send, because the column is narrow."""
+        directions = QBoxLayout.Direction
+        self._send.setDirection(directions.TopToBottom if simple else directions.LeftToRight)
+        self._send.setSpacing(4 if simple else 10)
+        for part in (self.lead_name, self.lead):
+            part.setHidden(simple)
 
     def show_compact(self, *, compact: bool) -> None:
         """Reserve room for a waiting motion, so that nothing moves; in a low window, show the text as a tooltip."""
@@ -104,9 +112,14 @@ class CommandsPanel(Panel):
         super().__init__("panel")
         self.setAccessibleName(texts("label.commands"))
         self.buttons = {name: self.button() for name in DAILY}
+        self._layout = in_column(*self.buttons.values(), gap=8, margins=(8, 8, 8, 8), inside=self)
+
+    def show_simple(self, *, simple: bool) -> None:
+        """Show the buttons in a row, or larger in a column."""
         for button in self.buttons.values():
-            button.setProperty("daily", True)  # noqa: FBT003
-        in_column(*self.buttons.values(), gap=8, margins=(8, 8, 8, 8), inside=self)
+            set_role(button, "daily", "" if simple else "yes")
+        directions = QBoxLayout.Direction
+        self._layout.setDirection(directions.LeftToRight if simple else directions.TopToBottom)
 
     def show_view(self, view: CommandsView) -> None:
         """Show the buttons."""

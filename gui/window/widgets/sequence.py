@@ -61,16 +61,18 @@ class Strip(QListWidget):
         self.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         self.setMinimumWidth(80)
         self.cards: tuple[CardView, ...] = ()
-        self._played = -1
+        self._played, self._facing = -1, True
         self._style = style_of(Theme.DARK)
         self._pressed: QPoint | None = None
         self._drop: int | None = None
         """while a card is dragged: its place counted without it"""
 
-    def show_cards(self, cards: tuple[CardView, ...], current: int, played: int = -1) -> None:
+    def show_cards(
+        self, cards: tuple[CardView, ...], current: int, played: int = -1, *, facing: bool = True
+    ) -> None:
         """Show the cards; numbers of the selected one and of the one that is being played (-1: none)."""
-        if (cards, played) != (self.cards, self._played):
-            self.cards, self._played = cards, played
+        if (cards, played, facing) != (self.cards, self._played, self._facing):
+            self.cards, self._played, self._facing = cards, played, facing
             self._fill()
         with QSignalBlocker(self):
             self.setCurrentRow(current)
@@ -99,7 +101,8 @@ class Strip(QListWidget):
 
     def _icon(self, card: CardView) -> QIcon:
         head = None if card.head is None else HeadOrientation(*card.head.tenths)
-        picture = QPixmap.fromImage(portrait(head, self._style.px(PICTURE_PX), self.devicePixelRatioF()))
+        side, ratio = self._style.px(PICTURE_PX), self.devicePixelRatioF()
+        picture = QPixmap.fromImage(portrait(head, side, ratio, facing=self._facing))
         icon = QIcon(picture)
         icon.addPixmap(picture, QIcon.Mode.Selected)  # Qt would tint it
         return icon
@@ -243,7 +246,7 @@ class SequencePanel(FilePanel):
     def show_view(self, view: SequenceView) -> None:
         """Show the poses; the selected one stays selected while it exists, and a new one is selected."""
         before, self._view = self._view, view
-        self.strip.show_cards(view.cards, self._selection(before, view), view.played)
+        self.strip.show_cards(view.cards, self._selection(before, view), view.played, facing=view.facing)
         self.add.show_view(view.add)
         self.play.show_view(view.play)
         self.hardware.show_view(view.hardware)
