@@ -224,6 +224,7 @@ class Panels(QWidget):
                 self._shown[panel] = shown
                 panel.show_view(shown)  # type: ignore[arg-type]  # each panel shows the part that `_add` was given
         self._show_page(view.choices.page)
+        self.steering.mirrored = view.head.facing
         self.stop_bar.show_view(view)
         self.stop_bar.show_last(view.last)
         refusals = (view.head.refusal, view.arms.refusal, view.commands.refusal, view.gestures.refusal)
