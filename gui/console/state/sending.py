@@ -44,7 +44,7 @@ def head(memory: Memory, world: World) -> HeadView:
     limits = limits_of(world)
     path = world.plan.path if world.plan is not None else None
     solid, aim = _solid(memory, world), target(memory, world)
-    off = "" if memory.choices.sides else "off.unchecked"
+    off, status = "" if memory.choices.sides else "off.unchecked", world.side(solid).status
     return HeadView(
         target=aim,
         sim=_head(world, "sim"),
@@ -52,6 +52,7 @@ def head(memory: Memory, world: World) -> HeadView:
         solid=solid,
         shown=_head(world, solid, kept),
         silent=silent(world.side(solid)),
+        asleep=status is not None and not status.enabled,
         tilt_max=limits.tilt_max,
         yaw_max=limits.yaw_max,
         path=() if path is None else tuple(HeadOrientation(*head) for head in path.head),
