@@ -13,6 +13,7 @@ from typing import Final, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from beatrix_zenoh.body.head_shape import AWAKE, Face, add_head
 from beatrix_zenoh.body.surface import INNER, Mesh, Modeller
 from beatrix_zenoh.colours import ARMS, Colour
 from beatrix_zenoh.contract._generated.messages import GeometryInfo
@@ -177,14 +178,21 @@ HEAD_AXIS: Final = 0.24
 LINK_RADIUS: Final = 0.0042
 
 
-@lru_cache(maxsize=16)
-def meshes(figure: Figure, *, fine: bool = False) -> tuple[Mesh, ...]:
+@lru_cache(maxsize=64)
+def meshes(figure: Figure, *, fine: bool = False, face: Face = AWAKE) -> tuple[Mesh, ...]:
     """Return the mesh of each body; see `Modeller` for `fine`."""
+    model = Modeller(fine=fine)
+    add_head(model, figure.size, [chain.mount for chain in figure.chains], face)
+    return *_below(figure, fine=fine), *model.meshes()
+
+
+@lru_cache(maxsize=16)
+def _below(figure: Figure, *, fine: bool) -> tuple[Mesh, ...]:
+    """Return the meshes of the bodies below the head."""
     model = Modeller(fine=fine)
     _base(model, figure)
     for index, (name, colour) in enumerate(ARMS.items()):
         _chain(model, figure, index, name, colour)
-    _head(model, figure)
     return model.meshes()
 
 
@@ -258,43 +266,3 @@ def _chain(model: Modeller, figure: Figure, index: int, name: str, colour: Colou
     model.rod(rod, (elbow, mount), reach, (0.014, 0.0065), COLOURS.rod)
     for axis, length in ((elbow, reach), (mount, figure.size.mount_radius)):
         model.cylinder(rod, scaled(axis, length), axis, (0.0085, 0.0072), COLOURS.rod)
-
-
-def _head(model: Modeller, figure: Figure) -> None:
-    height, radius, top = figure.size.centre_height, figure.size.mount_radius, (0.0, 0.0, 0.040)
-    visor = (0.054, 0.0, height + SIZES.eye_up)
-    model.ellipsoid("head", (0.0, 0.0, height + 0.016), (0.082, 0.074, 0.078), COLOURS.shell, 0.82)
-    model.ellipsoid("head", (0.024, 0.0, height - 0.052), (0.052, 0.050, 0.034), COLOURS.shell, 0.75)
-    model.ellipsoid("head", visor, (0.036, 0.063, 0.033), COLOURS.visor, 0.6)
-    model.cylinder("head", (0.0, 0.0, 0.044), UP, (0.030, 0.012), COLOURS.trim)
-    for _, _, mount in figure.chains:
-        model.tube("head", [scaled(mount, 0.044), scaled(mount, radius * 1.08)], 0.0032, COLOURS.metal)
-        x, y, z = scaled(mount, 0.040)
-        model.tube("head", [scaled(mount, 0.046), (x, y, z + 0.012), top], 0.0065, COLOURS.trim)
-    for side in (1.0, -1.0):
-        _side(model, figure, side)
-    smile = [
-        (0.0745 - 6.0 * y * y, y, height - 0.060 + 9.0 * y * y) for y in (k * 0.006 for k in range(-4, 5))
-    ]
-    model.tube("head", smile, 0.0024, COLOURS.visor)
-    for side in (1.0, -1.0):
-        arch = [
-            (0.094 - 12.0 * y * y, side * figure.size.eye_baseline / 2 + y, visor[2] + 0.029 - 22.0 * y * y)
-            for y in ((step / 3 - 1) * 0.014 for step in range(7))
-        ]
-        model.tube("head", arch, 0.0024, COLOURS.visor)
-        model.ellipsoid("head", (0.068, side * 0.040, height - 0.030), (0.003, 0.011, 0.008), COLOURS.cheek)
-
-
-def _side(model: Modeller, figure: Figure, side: float) -> None:
-    """Add eye and ear of a side of the head: 1 is left, -1 right."""
-    height = figure.size.centre_height
-    x, y, z = eye = (0.081, side * figure.size.eye_baseline / 2, height + SIZES.eye_up)
-    ear, out = (-0.006, side * 0.072, height + 0.012), (0.0, 1.0, 0.0)
-    model.ellipsoid("head", eye, (0.0215, 0.0215, 0.0215), COLOURS.white)
-    model.ellipsoid("head", (x + 0.0178, y, z), (0.006, 0.0135, 0.0135), COLOURS.iris)
-    model.ellipsoid("head", (x + 0.0215, y, z), (0.004, 0.0075, 0.0075), COLOURS.black)
-    model.ellipsoid("head", (x + 0.0232, y + 0.004, z + 0.0045), (0.0024, 0.0024, 0.0024), COLOURS.white)
-    model.cylinder("head", ear, out, (0.023, 0.012), COLOURS.trim)
-    model.cylinder("head", ear, out, (0.016, 0.016), COLOURS.rod)
-    model.cylinder("head", ear, out, (0.007, 0.019), COLOURS.trim)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import TypeVar
 
 from PyQt5.QtCore import QEvent, QLocale, QObject, QPoint, QRect, Qt, pyqtSignal
@@ -110,6 +111,21 @@ class Panels(QWidget):
         self._boxes = [*self.findChildren(ChoiceCheck), *self.findChildren(ChoiceButton)]
         self._connect()
 
+    def _order(self) -> None:
+        """Let Tab reach the controls as the eye does: first what to do, then from the top to STOP."""
+        top = self.banner, self.guide, self.header
+        middle = self.arms, self.tabs, self.low_area, self.side
+        below = (self.commands, *middle) if self._simple else (*middle, self.commands)
+        controls = [
+            control
+            for part in (*top, self.head, self.sending, *below, self.class_page, self.stop_bar)
+            for control in (part, *part.findChildren(QWidget))
+            if control.focusPolicy() & Qt.FocusPolicy.TabFocus and not control.focusProxy()
+            if control.window() is self.window()  # not in a menu
+        ]
+        for control, after in pairwise(controls):
+            self.setTabOrder(control, after)
+
     def _add(self, panel: P, part: Callable[[View], object]) -> P:
         """Return a panel, after connecting it: it shows its part of each view, and reports intents."""
         panel.intent.connect(self.intent)
@@ -119,6 +135,9 @@ class Panels(QWidget):
     def _lay_out(self) -> None:
         for tabs in (self.tabs, self.side, self.low_area):
             tabs.setUsesScrollButtons(False)
+            # A hidden tab bar would hold the focus of the area.
+            tabs.setFocusProxy(None)  # type: ignore[arg-type]  # the stubs forget None
+            tabs.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         views = {Tab.HEADS: self.head3d, Tab.EYES: self.eyes, Tab.PLOTS: self.plots}
         for name, page in views.items():
             self.tabs.addTab(page, self._texts(f"label.tab_{name}"))
@@ -196,6 +215,7 @@ class Panels(QWidget):
         if simple:
             self.low_area.setCurrentWidget(self.gestures)
             self.side.setCurrentWidget(self.code)
+        self._order()
 
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
         super().resizeEvent(event)

@@ -10,6 +10,7 @@ import pytest
 from contrast import contrast, luminance
 from gui_views import STATES, example
 from msgspec import structs
+from present import present
 from PyQt5.QtCore import QRect, QSize, Qt
 from PyQt5.QtGui import QTextDocumentFragment
 from PyQt5.QtWidgets import QAbstractButton, QApplication, QLabel, QToolButton, QWidget
@@ -33,6 +34,7 @@ SCALED = [(910, 456)]
 READABLE, LEGIBLE = 4.5, 3.0
 """Least contrast of text, and of disabled text and large symbols."""
 
+PROJECTED_PX = 14
 DARK = 0.05
 """Largest luminance of a dark ground."""
 
@@ -206,6 +208,37 @@ def test_in_the_simple_window_the_head_is_the_star(window: Window, state: Watche
             assert part.isVisible()
     window.handle(Choose("simple", value=False))
     assert all(part.isVisible() for part in hidden if part is not panels.sequence)
+
+
+def test_tab_reaches_every_control_as_the_eye_does(window: Window, qtbot: QtBot) -> None:
+    panels = window.panels
+    for small in (True, False):
+        window.handle(Choose("simple", small))
+        first, seen = panels.guide.buttons[0], list[QWidget]()
+        first.setFocus()
+        qtbot.waitUntil(first.hasFocus)
+        while (now := present(QApplication.focusWidget())) not in seen:
+            seen.append(now)
+            window.focusNextChild()
+        assert now is first
+        expected = [panels.guide, panels.header, panels.head, panels.sending]
+        expected += (
+            [panels.commands, panels.head3d] if small else [panels.arms, panels.head3d, panels.commands]
+        )
+        places = [min(n for n, widget in enumerate(seen) if part.isAncestorOf(widget)) for part in expected]
+        assert sorted(places) == places
+        assert seen[-1] is panels.stop_bar
+
+
+def test_letters_are_large_enough_to_be_read_from_the_last_row(window: Window) -> None:
+    window.handle(Choose("theme", Theme.PROJECTOR))
+    for tab in range(window.panels.tabs.count()):
+        window.panels.tabs.setCurrentIndex(tab)
+        QApplication.processEvents()
+        shown = [widget for widget in window.findChildren(QWidget) if widget.isVisible()]
+        assert [
+            type(widget).__name__ for widget in shown if widget.fontInfo().pixelSize() < PROJECTED_PX
+        ] == []
 
 
 def test_the_sheet_that_connects_grows_with_its_message(window: Window, link: RecordingLink) -> None:

@@ -174,9 +174,7 @@ def reveal(widget: QWidget) -> None:
 
 def menu_button(window: Window, side: str, text: str) -> QAbstractButton:
     """Return the button of the menu of a pill that shows this text."""
-    return next(
-        button for button in window.panels.header.pills[side].menu.buttons if button.accessibleName() == text
-    )
+    return next(button for button in window.panels.header.pills[side].menu.buttons if button.text() == text)
 
 
 def near(arms: ArmAngles, goal: tuple[float, ...], by: float = NEAR_DEG) -> bool:

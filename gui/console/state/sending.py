@@ -12,6 +12,7 @@ from msgspec import structs
 from beatrix_zenoh.client.degrees import Reading, pose_query
 from beatrix_zenoh.contract._generated.messages import PoseQuery, Reason
 from beatrix_zenoh.contract._generated.robot import LimitsData
+from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.motion.limits import region
 from gui.console.state import gestures, intents, refusals
 from gui.console.state.actions import NEW, Abort, Action, Outcome, Send, SendNow
@@ -44,14 +45,17 @@ def head(memory: Memory, world: World) -> HeadView:
     limits = limits_of(world)
     path = world.plan.path if world.plan is not None else None
     solid, aim = _solid(memory, world), target(memory, world)
-    off = "" if memory.choices.sides else "off.unchecked"
+    off, status = "" if memory.choices.sides else "off.unchecked", world.side(solid).status
+    # In the simple window no ghost of a robot that nothing is sent to hides the face.
+    seen = (*memory.choices.sides, solid) if memory.choices.simple else SIDES
     return HeadView(
         target=aim,
-        sim=_head(world, "sim"),
-        hw=_head(world, "hw"),
+        sim=_head(world, "sim") if "sim" in seen else None,
+        hw=_head(world, "hw") if "hw" in seen else None,
         solid=solid,
         shown=_head(world, solid, kept),
         silent=silent(world.side(solid)),
+        asleep=status is not None and not status.enabled,
         tilt_max=limits.tilt_max,
         yaw_max=limits.yaw_max,
         path=() if path is None else tuple(HeadOrientation(*head) for head in path.head),

@@ -120,6 +120,8 @@ class HeadView:
     """its newest head, even an old one; None: it is not online"""
     silent: bool
     """whether `shown` is old or None"""
+    asleep: bool
+    """whether the motors of that robot are off"""
     tilt_max: float
     """limit (deg)"""
     yaw_max: float

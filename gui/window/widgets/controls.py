@@ -158,13 +158,16 @@ class IntentButton(QPushButton):
 
 
 def show_each(
-    views: Sequence[ButtonView], buttons: list[IntentButton], made: Callable[[ButtonView], IntentButton]
+    views: Sequence[ButtonView],
+    buttons: list[IntentButton],
+    made: Callable[[ButtonView], IntentButton],
+    about: str = "",
 ) -> None:
     """Show a button for each view; `made` makes those that are missing, and those left over are hidden."""
     for number, view in enumerate(views):
         if number == len(buttons):
             buttons.append(made(view))
-        buttons[number].show_view(view)
+        buttons[number].show_view(view, about)
     for button in buttons[len(views) :]:
         button.hide()
 

@@ -6,11 +6,11 @@ import math
 from dataclasses import replace
 from typing import Final
 
-from PyQt5.QtCore import QPoint, QPointF, Qt
-from PyQt5.QtGui import QColor, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
+from PyQt5.QtCore import QPoint, QPointF, Qt, QTimer
+from PyQt5.QtGui import QColor, QCursor, QMouseEvent, QPainter, QPaintEvent, QWheelEvent
 from PyQt5.QtWidgets import QLabel
 
-from beatrix_zenoh.body.scene import Screen, Viewpoint
+from beatrix_zenoh.body.scene import SKULL, Screen, Viewpoint
 from gui.console.state.intents import Choose, GrabHead
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
@@ -23,7 +23,8 @@ from gui.window.widgets.controls import (
     plain_button,
 )
 from gui.window.widgets.head import TargetWidget
-from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, grabbed
+from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, grabbed, on_screen
+from gui.window.widgets.head3d_face import STEP_MS, Lids
 from gui.window.widgets.head3d_paint import GHOST, Marks, apart, draw_lines, ghost, robot
 
 VIEWS: Final = {
@@ -66,6 +67,9 @@ class Head3d(TargetWidget):
         self._orbit: QPointF | None = None
         self._over: Part | None = None
         self._covered = 0
+        self._lids, self._blinks = Lids(), QTimer(self)
+        self._blinks.setInterval(STEP_MS)
+        self._blinks.timeout.connect(self._blink)
         self.setMouseTracking(True)
         self.setMinimumSize(160, 130)
         self.look_from(self.camera)
@@ -119,6 +123,9 @@ class Head3d(TargetWidget):
         super().show_view(view)
         if view.facing is not self._faces:
             self.look_from(VIEWS["front" if view.facing else "behind"])
+        self._lids.show(asleep=view.asleep and view.shown is not None)
+        if self._lids.moves and not self._blinks.isActive() and self.isVisible():
+            self._blinks.start()
         names = [
             (f"{symbol} {self._texts(f'side.{side}')}", self._style.side(side))
             for symbol, side in (("■", "hw"), ("+", "sim"))
@@ -132,6 +139,18 @@ class Head3d(TargetWidget):
         for button in self.views.values():
             button.setVisible(view.shown is not None)
         self._nothing.setText("" if view.shown is not None else self._texts("label.no_head"))
+
+    def _blink(self) -> None:
+        """Go on with the face of a robot that sleeps or wakes up; it looks at the mouse."""
+        before, view = self._lids.face, self._view
+        if view is not None:
+            x, y, _ = on_screen(self.screen3d, view.shown or view.target, SKULL)
+            mouse = self.mapFromGlobal(QCursor.pos())
+            self._lids.step((mouse.x() - x) * (1 if self._faces else -1), mouse.y() - y)
+        if self._lids.face != before:
+            self.update()
+        if not (self._lids.moves and self.isVisible()):
+            self._blinks.stop()
 
     # Mouse
 
@@ -188,6 +207,10 @@ class Head3d(TargetWidget):
             self.setCursor(Qt.CursorShape.OpenHandCursor if part else Qt.CursorShape.ArrowCursor)
             self.update()
 
+    def showEvent(self, event: object) -> None:  # noqa: N802, ARG002
+        if self._lids.moves:
+            self._blinks.start()
+
     def hideEvent(self, event: object) -> None:  # noqa: N802, ARG002
         self._release()
 
@@ -220,7 +243,7 @@ class Head3d(TargetWidget):
         other = "hw" if view.solid == "sim" else "sim"
         beside = view.side(other)
         if view.shown is not None:
-            solid = robot(view.shown, screen, ratio, style, silent=view.silent)
+            solid = robot(view.shown, screen, ratio, style, silent=view.silent, face=self._lids.face)
             painter.drawImage(QPoint(0, 0), solid)
         if beside is not None and apart(beside, view.shown):
             painter.setOpacity(GHOST)

@@ -14,6 +14,7 @@ from PyQt5.QtCore import QPointF, QRectF, QSizeF, Qt
 from PyQt5.QtGui import QBrush, QColor, QImage, QPainter, QPen, QPolygonF
 
 from beatrix_zenoh.body.figure import Figure, meshes
+from beatrix_zenoh.body.head_shape import AWAKE, Face
 from beatrix_zenoh.body.scene import CROWN, EARS, NOSE, SKULL, Screen, Viewpoint, Whole, draw, hull
 from beatrix_zenoh.body.surface import Floats, Mesh
 from beatrix_zenoh.contract.errors import Refused
@@ -63,7 +64,9 @@ def apart(one: HeadOrientation | None, other: HeadOrientation | None) -> bool:
 
 
 @lru_cache(maxsize=4)
-def robot(head: HeadOrientation, screen: Screen, ratio: float, style: Style, *, silent: bool) -> QImage:
+def robot(
+    head: HeadOrientation, screen: Screen, ratio: float, style: Style, *, silent: bool, face: Face = AWAKE
+) -> QImage:
     """Return the robot with a ring below it and an arrow ahead, grey if it is silent; kept while it rests."""
     with painted(screen.width, screen.height, ratio) as (image, painter):
         turn = np.linspace(0.0, math.tau, 49)
@@ -75,7 +78,8 @@ def robot(head: HeadOrientation, screen: Screen, ratio: float, style: Style, *, 
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(QColor(style.edge))
         painter.drawPolygon(_polygon(screen.place(np.column_stack((ahead, np.full(3, FLOOR))))[:, :2]))
-        _paint_faces(painter, head, screen, meshes(_figure()), (style.disabled, GREY) if silent else None)
+        tint = (style.disabled, GREY) if silent else None
+        _paint_faces(painter, head, screen, meshes(_figure(), face=face), tint)
     return image
 
 

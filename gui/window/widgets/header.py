@@ -41,8 +41,10 @@ MENU_PX = 230
 class RobotMenu(Panel):
     """Buttons below the pill; one with a question shows it here and stays open for the second press."""
 
-    def __init__(self, parent: QWidget) -> None:
+    def __init__(self, parent: QWidget, robot: str) -> None:
+        """Create it closed; `robot` is Simulation or Hardware, which screen readers say with each button."""
         super().__init__("panel", parent)
+        self._robot = robot
         self.setWindowFlags(Qt.WindowType.Popup)
         self.buttons: list[IntentButton] = []
         self._list = in_column(gap=8)
@@ -54,7 +56,7 @@ class RobotMenu(Panel):
 
     def show_view(self, views: tuple[ButtonView, ...]) -> None:
         """Show a button for each command."""
-        show_each(views, self.buttons, self._button)
+        show_each(views, self.buttons, self._button, self._robot)
 
     def _button(self, view: ButtonView) -> IntentButton:
         button = IntentButton()
@@ -123,7 +125,8 @@ class Pill(Panel):
         self.next_step, self.lease = self.button(), self.button()
         self.next_step.setProperty("next_step", True)  # noqa: FBT003
         name = f"{texts(f'label.{side}')}: {texts('label.robot_menu')}"
-        self.menu, self.more = RobotMenu(self), plain_button("⋮", texts("tip.robot_menu"), name)
+        self.menu = RobotMenu(self, texts(f"label.{side}"))
+        self.more = plain_button("⋮", texts("tip.robot_menu"), name)
         self.more.setProperty("jog", True)  # noqa: FBT003
         self.more.setFixedWidth(MORE_PX)
         self.more.clicked.connect(lambda: self.menu.open(self.more))
