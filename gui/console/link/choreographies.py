@@ -6,8 +6,8 @@ import itertools
 from collections.abc import Iterable
 from dataclasses import replace
 
-from beatrix_zenoh.client import choreography, motion_file
-from beatrix_zenoh.client.choreography import ArmPose, Choreography, Step, play
+from beatrix_zenoh.client import choreography, motion_file, own_gestures
+from beatrix_zenoh.client.choreography import GESTURES, ArmPose, Choreography, Step, play
 from beatrix_zenoh.client.motion_file import SPEED
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin import Twin
@@ -43,7 +43,7 @@ class Playing(Program):
         action, found = self._action, read(self._action)
         self.check()
         infos = [robot.info() for robot in self._both]
-        if action.gesture:
+        if action.gesture in GESTURES:
             found = found.at_most(min(info.limits.speed_default for info in infos))
         for robot in robots_of(infos):
             check_choreography(_poses((*action.poses, *action.again)) if action.again else found, robot)
@@ -69,9 +69,11 @@ def _poses(poses: Iterable[ArmPose]) -> Choreography:
 
 def read(action: Play) -> Choreography:
     """Return the choreography to play; raises WindowError if its file cannot be used."""
-    if action.gesture:
+    if action.gesture in GESTURES:
         return choreography.shipped(action.gesture)
-    file = action.file
+    file = own_gestures.file_of(action.gesture) if action.gesture else action.file
+    if file is None and action.gesture:
+        raise WindowError(Reason.BAD_VALUE, "result.no_gesture", name=action.gesture)
     if file is None:
         return _poses(action.poses)
     try:

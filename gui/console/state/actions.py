@@ -182,6 +182,17 @@ class WriteFile(Action, frozen=True):
     """text (UTF-8), a picture, or a file to copy unless the one to write exists"""
 
 
+class KeepGesture(Action, frozen=True):
+    """Write a gesture of the user, or delete one; the outcome names no robot."""
+
+    row: int
+    name: str
+    """empty: none is written"""
+    text: str
+    instead: str = ""
+    """the gesture that goes to the deleted ones; empty: none"""
+
+
 class WatchCameras(Action, frozen=True):
     """Subscribe to exactly these pictures."""
 

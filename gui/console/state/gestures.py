@@ -6,7 +6,7 @@ from msgspec import structs
 
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.choreography import GESTURES
-from gui.console.state import refusals
+from gui.console.state import own_gestures, refusals
 from gui.console.state.actions import NEW, POSES, Action, EndFollowing, FollowFace, Play, WriteFile
 from gui.console.state.memory import Handles, Memory, begin, lead_of, unreachable
 from gui.console.state.views import ButtonView, GesturesView, button
@@ -34,6 +34,7 @@ def view(memory: Memory, world: World) -> GesturesView:
         note = texts("gesture.own", file=str(face.file)) if face.own else ""
     return GesturesView(
         gestures=tuple((name, _gesture(name, off, texts)) for name in GESTURES),
+        own=own_gestures.view(world, off, texts),
         follow=follow,
         following=face.running,
         open=button(texts, "gesture.open", WriteFile(NEW, face.own_file, face.file), file=str(face.own_file)),

@@ -19,6 +19,7 @@ from beatrix_zenoh.contract._generated.messages import (
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import actions, code_lines, other_seats
 from gui.console.state.actions import Govern, Outcome, Play, Send, SendStop
+from gui.console.state.gestures import title
 from gui.console.state.memory import Memory, RequestRow
 from gui.console.state.refusals import reason_of, sentence, side_of, told_by
 from gui.console.state.views import HistoryRowView
@@ -212,6 +213,8 @@ def what(row: RequestRow, texts: Texts) -> str:
             key = "what.blocks"
         case actions.WriteFile(file=file):
             key, slots = "what.save", {"title": file.name}
+        case actions.KeepGesture(name=name, instead=old):
+            key, slots = ("what.save", {"title": name}) if name else ("what.delete", {"title": old})
     return texts(key, **slots)
 
 
@@ -240,7 +243,7 @@ def _way(query: PoseQuery, texts: Texts) -> str:
 
 def _played(request: Play, texts: Texts) -> str:
     if request.gesture:
-        return texts("what.gesture", title=texts(f"gesture.{request.gesture}"))
+        return texts("what.gesture", title=title(request.gesture, texts))
     if request.file is not None:
         return texts("what.play", title=request.file.name)
     count = len(request.poses)

@@ -29,7 +29,7 @@ Motion = actions.Send | actions.Play | actions.RunBlocks | actions.FollowFace
 """Actions that move robots until they end."""
 ToRobots = Motion | actions.SendCommand | actions.AskLease | actions.MakeReady
 """Actions that are sent only if their robots are online."""
-Request = ToRobots | actions.SendStop | actions.Govern | actions.WriteFile
+Request = ToRobots | actions.SendStop | actions.Govern | actions.WriteFile | actions.KeepGesture
 """Actions with a row in the history."""
 
 
@@ -40,7 +40,7 @@ def sides_of(request: Request) -> tuple[str, ...]:
             return (side,)
         case actions.SendStop(everywhere=everywhere):
             return () if everywhere else SIDES
-        case actions.Govern() | actions.WriteFile():
+        case actions.Govern() | actions.WriteFile() | actions.KeepGesture():
             return ()
     return request.sides
 

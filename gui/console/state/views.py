@@ -212,11 +212,23 @@ class CommandsView:
 
 
 @dataclass(frozen=True)
+class OwnGestureView:
+    """A gesture of the user."""
+
+    name: str
+    emoji: str
+    play: ButtonView
+    menu: tuple[ButtonView, ...]
+    """changes; the one with `RenameGesture` asks for name and emoji first"""
+
+
+@dataclass(frozen=True)
 class GesturesView:
     """Gestures, and the program that follows a face."""
 
     gestures: tuple[tuple[str, ButtonView], ...]
-    """name and button of each gesture"""
+    """name and button of each shipped gesture"""
+    own: tuple[OwnGestureView, ...]
     follow: ButtonView
     following: bool
     open: ButtonView
@@ -267,6 +279,10 @@ class SequenceView:
     undo: ButtonView
     play: ButtonView
     hardware: ButtonView
+    gesture: ButtonView
+    """the button's intent has no name and no emoji: the widget asks for them"""
+    gestures: tuple[str, ...]
+    """names of the user's gestures"""
     played: int = -1
     """number of the card that is being played, from 0; -1: none"""
 

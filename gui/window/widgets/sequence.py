@@ -17,6 +17,8 @@ from PyQt5.QtWidgets import (
     QListWidgetItem,
     QMenu,
     QSizePolicy,
+    QStackedLayout,
+    QWidget,
 )
 
 from beatrix_zenoh import files
@@ -30,8 +32,10 @@ from gui.console.texts import Texts
 from gui.window.theme import style_of
 from gui.window.widgets.controls import ChoiceCheck, in_row, named, plain_button, spaced
 from gui.window.widgets.files import FilePanel
+from gui.window.widgets.gesture_form import GestureForm
 from gui.window.widgets.head3d_paint import portrait
 from gui.window.widgets.number_box import NumberBox
+from gui.window.widgets.picture_button import PictureButton
 
 NAME_LONGEST = 24
 NAME_PX = 90
@@ -171,6 +175,9 @@ class Strip(QListWidget):
 class SequencePanel(FilePanel):
     """Poses with durations: to add, order, change, play, open and save."""
 
+    saved = pyqtSignal()
+    """a gesture was saved"""
+
     def __init__(self, texts: Texts) -> None:
         super().__init__(texts)
         self._view: SequenceView | None = None
@@ -189,6 +196,11 @@ class SequencePanel(FilePanel):
             for name in ("delete", "more")
         )
         self.loop = ChoiceCheck(texts, "loop")
+        self.gesture, self.form = PictureButton("happy"), GestureForm(texts)
+        self.gesture.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
+        self.gesture.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Ignored)
+        self._last = "", ""
+        """name and emoji of the gesture that was opened or saved last"""
         self.entries: dict[str, QAction] = {}
         """entries of the menu More"""
         pairs = (
@@ -198,15 +210,23 @@ class SequencePanel(FilePanel):
             (self.play, self.hardware),
         )
         grid = spaced(QGridLayout(), 3)
-        grid.setColumnMinimumWidth(0, NAME_PX)
+        grid.setColumnMinimumWidth(1, NAME_PX)
+        grid.addWidget(self.gesture, 0, 0, 2, 1)
         for line, (left, right) in enumerate(pairs):
-            grid.addWidget(left, line, 0)
-            grid.addWidget(right, line, 1)
-        in_row((self.strip, 1), grid, gap=6, margins=(4, 4, 4, 4), inside=self)
+            grid.addWidget(left, line, 1)
+            grid.addWidget(right, line, 2)
+        main = QWidget()
+        in_row((self.strip, 1), grid, gap=6, margins=(4, 4, 4, 4), inside=main)
+        self._stack = QStackedLayout(self)
+        for page in (main, self.form):
+            self._stack.addWidget(page)
         self._connect()
 
     def _connect(self) -> None:
         self.reports(self.loop.intent)
+        self.gesture.intent.connect(self._ask_name)
+        self.form.closed.connect(lambda: self._stack.setCurrentIndex(0))
+        self.form.given.connect(self._save_gesture)
         self.delete.clicked.connect(lambda: self._about(intents.DeletePose))
         self.strip.currentRowChanged.connect(self._show_chosen)
         self.strip.used.connect(self._aim)
@@ -247,6 +267,7 @@ class SequencePanel(FilePanel):
         self.add.show_view(view.add)
         self.play.show_view(view.play)
         self.hardware.show_view(view.hardware)
+        self.gesture.show_view(view.gesture)
         self.loop.setEnabled(view.played < 0)
         self.entries["undo"].setEnabled(view.undo.enabled)
         self._show_chosen()
@@ -264,7 +285,8 @@ class SequencePanel(FilePanel):
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
-        self.strip.show_theme(theme)
+        for part in (self.strip, self.gesture, self.form):
+            part.show_theme(theme)
 
     def _chosen(self) -> CardView | None:
         number = self.strip.currentRow()
@@ -307,6 +329,21 @@ class SequencePanel(FilePanel):
         self.name.setModified(False)
         if card is not None and name and name != card.name:
             self.intent.emit(intents.RenamePose(card.name, name))
+
+    # -- gestures -----------------------------------------------------------------------------------
+
+    def edit(self, name: str, emoji: str) -> None:
+        """Propose this name and emoji for the gesture."""
+        self._last = name, emoji
+
+    def _ask_name(self) -> None:
+        self._stack.setCurrentIndex(1)
+        self.form.ask(*self._last, () if self._view is None else self._view.gestures)
+
+    def _save_gesture(self, name: str, emoji: str) -> None:
+        self._last = name, emoji
+        self.intent.emit(intents.SaveGesture(name, emoji))
+        self.saved.emit()
 
 
 def _opened(file: Path) -> intents.OpenSequence:
