@@ -111,8 +111,8 @@ class GesturesPanel(Panel):
             button.setToolButtonStyle(styles.ToolButtonTextUnderIcon if fit else styles.ToolButtonIconOnly)
         for name, button in self.own.items():
             button.setText(metrics.elidedText(name, Qt.TextElideMode.ElideRight, width - ARROW_PX))
-        for line in range(line + 1, self._grid.rowCount()):
-            self._grid.setRowMinimumHeight(line, 0)
+        for unused in range(line + 1, self._grid.rowCount()):
+            self._grid.setRowMinimumHeight(unused, 0)
 
     def show_view(self, view: GesturesView) -> None:
         """Show the buttons, and what the program does."""
