@@ -205,6 +205,6 @@ def test_a_gesture_of_the_user_has_a_button_with_a_menu(panel: tuple[GesturesPan
     for entry in (edit, delete, rename):
         entry.trigger()
     made.form.name.setText("nod")
-    QTest.keyClick(made.form.name, Qt.Key.Key_Return)
+    QTest.mouseClick(made.form.save, Qt.MouseButton.LeftButton)
     play = Play(NEW, (), gesture="wink")
     assert reported == [play, OpenGesture("wink"), DeleteGesture("wink"), RenameGesture("wink", "nod", "😜")]

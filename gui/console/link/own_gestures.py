@@ -80,7 +80,7 @@ def write(action: KeepGesture) -> Outcome:
     folder = own_gestures.folder()
     file, old = folder / f"{action.name}.csv", folder / f"{action.instead}.csv"
     try:
-        (folder / DELETED).mkdir(parents=True, exist_ok=True)
+        (folder / DELETED if action.instead else folder).mkdir(parents=True, exist_ok=True)
         if not action.name:
             old.replace(folder / DELETED / old.name)
             return done(action.row, "", f"{old}: deleted.")

@@ -51,7 +51,8 @@ class GestureForm(QWidget):
         line = in_row((self.name, 1), self.save, self.cancel, gap=6)
         filled(spaced(QVBoxLayout(self), 4, (6, 4, 6, 4)), line, grid, None)
         self.name.textChanged.connect(self._show_save)
-        self.name.returnPressed.connect(self._give)
+        # Queued: otherwise the same Enter would press the button that has the focus next.
+        self.name.returnPressed.connect(self._give, Qt.ConnectionType.QueuedConnection)
         self.save.clicked.connect(self._give)
         self.cancel.clicked.connect(self.closed)
 
