@@ -145,9 +145,10 @@ class Panels(QWidget):
             notice.intent.connect(self.intent)
         self.header.keys_asked.connect(self.key_sheet.toggle)
         self.tabs.currentChanged.connect(self._report_tab)
-        self.sequence.saved.connect(lambda: self.low_area.setCurrentWidget(self.gestures))
-        self.gestures.edited.connect(lambda *_: self.low_area.setCurrentWidget(self.sequence))
-        self.gestures.edited.connect(self.sequence.edit)
+        self.sequence.gesture.intent.connect(self.gestures.ask)
+        self.gestures.shown.connect(
+            lambda own: self.low_area.setCurrentWidget(self.gestures if own else self.sequence)
+        )
 
     def _report_tab(self, number: int) -> None:
         if 0 <= number < len(Tab):

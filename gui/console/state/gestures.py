@@ -13,8 +13,7 @@ from gui.console.state.views import ButtonView, GesturesView, button
 from gui.console.state.world import World
 from gui.console.texts import Texts
 
-CONTROL, FILES = "gestures", "commands"
-"""controls of gestures, and of files to play"""
+CONTROL = "gestures"
 EYE = "left"
 """The eye with which the shipped program sees."""
 TEST_PICTURE = "pattern"
@@ -56,10 +55,10 @@ def title(playing: str, texts: Texts) -> str:
 
 
 def play(memory: Memory, world: World, intent: Play) -> list[Action]:
-    """Return the action that plays a gesture or a file with the checked robots."""
-    sides, control = memory.choices.sides, CONTROL if intent.gesture else FILES
+    """Return the action that plays a gesture with the checked robots."""
+    sides = memory.choices.sides
     request = structs.replace(intent, sides=sides, lead_s=lead_of(memory, sides))
-    return begin(memory, world, request, control)
+    return begin(memory, world, request, CONTROL)
 
 
 def follow_face(memory: Memory, world: World, _intent: FollowFace) -> list[Action]:

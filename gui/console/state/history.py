@@ -244,8 +244,6 @@ def _way(query: PoseQuery, texts: Texts) -> str:
 def _played(request: Play, texts: Texts) -> str:
     if request.gesture:
         return texts("what.gesture", title=title(request.gesture, texts))
-    if request.file is not None:
-        return texts("what.play", title=request.file.name)
     count = len(request.poses)
     return texts("what.play_pose" if count == 1 else "what.play_poses", count=float(count))
 

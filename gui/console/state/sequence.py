@@ -79,7 +79,6 @@ def view(memory: Memory, world: World) -> SequenceView:
         ),
         hardware=button(texts, "sequence.hardware", intents.PlaySequence("hw"), hardware if poses else NONE),
         gesture=button(texts, "sequence.gesture", SaveGesture("", ""), "" if poses else NONE),
-        gestures=tuple(gesture.name for gesture in world.gestures),
         played=world.playing_pose,
     )
 
@@ -209,11 +208,11 @@ def _play(
     """Return the play of poses whose first one begins at `start`."""
     steps = tuple(timing.timed(poses, start, limits))
     if not loop:
-        return Play(NEW, (side,), None, steps)
+        return Play(NEW, (side,), steps)
     last = ArmAngles(*poses[-1].arms)
     holds = len(poses) > 1 and timing.way(ArmAngles(*poses[-2].arms), poses[-1]) < timing.SAME_DEG
     again = timing.timed(poses, last, limits, poses[-1].duration_s if holds else 0.0)
-    return Play(NEW, (side,), None, steps, tuple(again))
+    return Play(NEW, (side,), steps, tuple(again))
 
 
 def refuse_short(memory: Memory, start: ArmAngles, limits: LimitsData, *, loop: bool) -> bool:

@@ -280,9 +280,7 @@ class SequenceView:
     play: ButtonView
     hardware: ButtonView
     gesture: ButtonView
-    """the button's intent has no name and no emoji: the widget asks for them"""
-    gestures: tuple[str, ...]
-    """names of the user's gestures"""
+    """the button's intent has no name and no emoji: the widget of the gestures asks for them"""
     played: int = -1
     """number of the card that is being played, from 0; -1: none"""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from PyQt5.QtCore import QRegularExpression, QSize, Qt, pyqtSignal
+from PyQt5.QtCore import QRegularExpression, QSize, Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QIcon, QRegularExpressionValidator
 from PyQt5.QtWidgets import QButtonGroup, QGridLayout, QLineEdit, QToolButton, QVBoxLayout, QWidget
 
@@ -51,8 +51,8 @@ class GestureForm(QWidget):
         line = in_row((self.name, 1), self.save, self.cancel, gap=6)
         filled(spaced(QVBoxLayout(self), 4, (6, 4, 6, 4)), line, grid, None)
         self.name.textChanged.connect(self._show_save)
-        # Queued: otherwise the same Enter would press the button that has the focus next.
-        self.name.returnPressed.connect(self._give, Qt.ConnectionType.QueuedConnection)
+        # Later: otherwise the same Enter would press the button that has the focus next.
+        self.name.returnPressed.connect(lambda: QTimer.singleShot(0, self._give))
         self.save.clicked.connect(self._give)
         self.cancel.clicked.connect(self.closed)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
+from msgspec import structs
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtWidgets import (
@@ -18,7 +19,7 @@ from PyQt5.QtWidgets import (
 )
 
 from beatrix_zenoh.client.choreography import EMOTIONS, GESTURES
-from gui.console.state.intents import Theme
+from gui.console.state.intents import SaveGesture, Theme
 from gui.console.state.own_gestures import OpenGesture, RenameGesture
 from gui.console.state.views import ButtonView, GesturesView, OwnGestureView
 from gui.console.texts import Texts
@@ -41,14 +42,15 @@ WHEEL, WHEEL_MOST = 2.2, 0.42
 class GesturesPanel(Panel):
     """The wheel of emotions, and a button for each other gesture and for the program that follows a face."""
 
-    edited = pyqtSignal(str, str)
-    """name and emoji of the gesture that becomes the sequence"""
+    shown = pyqtSignal(bool)
+    """this panel, or the sequence, has to be visible"""
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
         self._theme = Theme.DARK
         self._own: tuple[OwnGestureView, ...] = ()
-        self._renamed = ""
+        self._asked: SaveGesture | RenameGesture = SaveGesture("", "")
+        """what the form is about"""
         self.setAccessibleName(texts("label.gestures"))
         self.wheel = EmotionWheel(texts("gesture.emotions"))
         others = {name: PictureButton(name) for name in GESTURES if name not in EMOTIONS}
@@ -77,7 +79,7 @@ class GesturesPanel(Panel):
         for page in (main, self.form):
             self._stack.addWidget(page)
         self.form.closed.connect(lambda: self._stack.setCurrentIndex(0))
-        self.form.given.connect(lambda *given: self.intent.emit(RenameGesture(self._renamed, *given)))
+        self.form.given.connect(self._give)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
@@ -104,15 +106,14 @@ class GesturesPanel(Panel):
         width = room // columns - AIR_PX
         metrics, styles = self.fontMetrics(), Qt.ToolButtonStyle
         fit = max(metrics.horizontalAdvance(button.text()) for button in self._cells) < width
-        for number, button in enumerate((*self._cells, *self.own.values())):
-            line, column = divmod(number, columns)
-            self._grid.addWidget(button, line, column)
-            self._grid.setRowMinimumHeight(line, height)
+        cells = [*self._cells, *self.own.values()]
+        for number, button in enumerate(cells):
+            self._grid.addWidget(button, *divmod(number, columns))
             button.setToolButtonStyle(styles.ToolButtonTextUnderIcon if fit else styles.ToolButtonIconOnly)
+        for line in range(self._grid.rowCount()):
+            self._grid.setRowMinimumHeight(line, height if line * columns < len(cells) else 0)
         for name, button in self.own.items():
             button.setText(metrics.elidedText(name, Qt.TextElideMode.ElideRight, width - ARROW_PX))
-        for unused in range(line + 1, self._grid.rowCount()):
-            self._grid.setRowMinimumHeight(unused, 0)
 
     def show_view(self, view: GesturesView) -> None:
         """Show the buttons, and what the program does."""
@@ -153,10 +154,22 @@ class GesturesPanel(Panel):
 
     def _change(self, gesture: OwnGestureView, entry: ButtonView) -> None:
         if isinstance(entry.intent, RenameGesture):
-            self._renamed = gesture.name
-            self._stack.setCurrentIndex(1)
-            self.form.ask(gesture.name, gesture.emoji)
+            self.ask(entry.intent)
             return
         self.intent.emit(entry.intent)
         if isinstance(entry.intent, OpenGesture):
-            self.edited.emit(gesture.name, gesture.emoji)
+            self._asked = SaveGesture(gesture.name, gesture.emoji)
+            self.shown.emit(False)  # noqa: FBT003
+
+    def ask(self, intent: SaveGesture | RenameGesture) -> None:
+        """Ask for the name and the emoji of a gesture to save or to rename."""
+        if isinstance(intent, RenameGesture) or not isinstance(self._asked, SaveGesture):
+            self._asked = intent
+        self._stack.setCurrentIndex(1)
+        names = [gesture.name for gesture in self._own] if isinstance(self._asked, SaveGesture) else []
+        self.shown.emit(True)  # noqa: FBT003
+        self.form.ask(self._asked.name, self._asked.emoji, names)
+
+    def _give(self, name: str, emoji: str) -> None:
+        self._asked = structs.replace(self._asked, name=name, emoji=emoji)
+        self.intent.emit(self._asked)

@@ -17,14 +17,12 @@ from PyQt5.QtWidgets import (
     QListWidgetItem,
     QMenu,
     QSizePolicy,
-    QStackedLayout,
-    QWidget,
 )
 
 from beatrix_zenoh import files
 from beatrix_zenoh.contract.errors import WrongUsage
 from gui.console.state import intents
-from gui.console.state.actions import LARGEST_BYTES, NEW, Play
+from gui.console.state.actions import LARGEST_BYTES
 from gui.console.state.intents import HeadOrientation, Intent, Theme
 from gui.console.state.saved import DURATION_MAX_S
 from gui.console.state.views import CardView, SequenceView
@@ -32,7 +30,6 @@ from gui.console.texts import Texts
 from gui.window.theme import style_of
 from gui.window.widgets.controls import ChoiceCheck, in_row, named, plain_button, spaced
 from gui.window.widgets.files import FilePanel
-from gui.window.widgets.gesture_form import GestureForm
 from gui.window.widgets.head3d_paint import portrait
 from gui.window.widgets.number_box import NumberBox
 from gui.window.widgets.picture_button import PictureButton
@@ -175,9 +172,6 @@ class Strip(QListWidget):
 class SequencePanel(FilePanel):
     """Poses with durations: to add, order, change, play, open and save."""
 
-    saved = pyqtSignal()
-    """a gesture was saved"""
-
     def __init__(self, texts: Texts) -> None:
         super().__init__(texts)
         self._view: SequenceView | None = None
@@ -196,11 +190,9 @@ class SequencePanel(FilePanel):
             for name in ("delete", "more")
         )
         self.loop = ChoiceCheck(texts, "loop")
-        self.gesture, self.form = PictureButton("happy"), GestureForm(texts)
+        self.gesture = PictureButton("happy")
         self.gesture.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
         self.gesture.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Ignored)
-        self._last = "", ""
-        """name and emoji of the gesture that was opened or saved last"""
         self.entries: dict[str, QAction] = {}
         """entries of the menu More"""
         pairs = (
@@ -215,18 +207,11 @@ class SequencePanel(FilePanel):
         for line, (left, right) in enumerate(pairs):
             grid.addWidget(left, line, 1)
             grid.addWidget(right, line, 2)
-        main = QWidget()
-        in_row((self.strip, 1), grid, gap=6, margins=(4, 4, 4, 4), inside=main)
-        self._stack = QStackedLayout(self)
-        for page in (main, self.form):
-            self._stack.addWidget(page)
+        in_row((self.strip, 1), grid, gap=6, margins=(4, 4, 4, 4), inside=self)
         self._connect()
 
     def _connect(self) -> None:
         self.reports(self.loop.intent)
-        self.gesture.intent.connect(self._ask_name)
-        self.form.closed.connect(lambda: self._stack.setCurrentIndex(0))
-        self.form.given.connect(self._save_gesture)
         self.delete.clicked.connect(lambda: self._about(intents.DeletePose))
         self.strip.currentRowChanged.connect(self._show_chosen)
         self.strip.used.connect(self._aim)
@@ -242,7 +227,6 @@ class SequencePanel(FilePanel):
         self._add_file("open", opens, "csv", _opened)
         self._add_file("save_file", saves, "csv", intents.SaveSequence)
         self._add_file("save_program", saves, "py", lambda file: intents.SaveSequence(file, program=True))
-        self._add_file("play_file", opens, "csv", lambda file: Play(NEW, (), file))
         menu = QMenu(self.more)
         menu.addActions(self.entries.values())
         self.more.setMenu(menu)
@@ -285,8 +269,8 @@ class SequencePanel(FilePanel):
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
-        for part in (self.strip, self.gesture, self.form):
-            part.show_theme(theme)
+        self.strip.show_theme(theme)
+        self.gesture.show_theme(theme)
 
     def _chosen(self) -> CardView | None:
         number = self.strip.currentRow()
@@ -329,21 +313,6 @@ class SequencePanel(FilePanel):
         self.name.setModified(False)
         if card is not None and name and name != card.name:
             self.intent.emit(intents.RenamePose(card.name, name))
-
-    # -- gestures -----------------------------------------------------------------------------------
-
-    def edit(self, name: str, emoji: str) -> None:
-        """Propose this name and emoji for the gesture."""
-        self._last = name, emoji
-
-    def _ask_name(self) -> None:
-        self._stack.setCurrentIndex(1)
-        self.form.ask(*self._last, () if self._view is None else self._view.gestures)
-
-    def _save_gesture(self, name: str, emoji: str) -> None:
-        self._last = name, emoji
-        self.intent.emit(intents.SaveGesture(name, emoji))
-        self.saved.emit()
 
 
 def _opened(file: Path) -> intents.OpenSequence:
