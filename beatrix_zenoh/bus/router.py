@@ -198,6 +198,7 @@ EVERYTHING = (
     keys.program("*", "*"),
     keys.note("*", "*"),
     keys.lesson("*", "*"),
+    keys.gesture("*", "*"),
     keys.pending("*", "*"),
     keys.seats_router("*"),
 )

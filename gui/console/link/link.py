@@ -30,7 +30,8 @@ from gui.console.state import actions
 from gui.console.state.actions import Action, Outcome, SendStop
 from gui.console.state.world import World
 
-A = TypeVar("A", bound=RobotAction | actions.Govern | actions.Hold | SendStop)
+Shared = actions.ShareGesture | actions.FetchGestures
+A = TypeVar("A", bound=RobotAction | actions.Govern | actions.Hold | SendStop | Shared)
 OnOutcome = Callable[[Outcome], None]
 CLOSE_S = 2.8
 """Time limit for threads and processes to end; slower threads and processes end by themselves afterwards."""
@@ -177,6 +178,7 @@ class Link:
             actions.EndFollowing: lambda _: moving.end_following(),
             actions.WriteFile: self._write,
             actions.KeepGesture: self._gestures.keep,
+            **dict.fromkeys((actions.ShareGesture, actions.FetchGestures), online(self._gestures.exchange)),
         }
 
     def _see(self, session: Session, eye: Camera) -> CameraStream:

@@ -10,11 +10,13 @@ from typing import Final
 
 from beatrix_zenoh import files
 from beatrix_zenoh.client import choreography, motion_file, own_gestures
+from beatrix_zenoh.client.shared_gestures import share, shared
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import WrongUsage, wrong_usage
+from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage, wrong_usage
+from gui.console.link.connection import Session
 from gui.console.link.jobs import Jobs
 from gui.console.link.outcomes import WindowError, done, failed
-from gui.console.state.actions import KeepGesture, Outcome
+from gui.console.state.actions import NEW, FetchGestures, KeepGesture, Outcome, ShareGesture
 from gui.console.state.world import OwnGesture
 
 PERIOD_S: Final = 1.0
@@ -48,6 +50,22 @@ class OwnGestures:
         outcome = write(action)
         self._read()
         self._report(outcome)
+
+    def exchange(self, action: ShareGesture | FetchGestures, session: Session) -> None:
+        """Give a gesture to the class, or get those of the class; returns at once."""
+        self._jobs.put("class", lambda: self._exchange(action, session))
+
+    def _exchange(self, action: ShareGesture | FetchGestures, session: Session) -> None:
+        try:
+            if isinstance(action, ShareGesture):
+                gesture = read(own_gestures.folder() / f"{action.name}.csv")
+                share(session.client, gesture.name, gesture.text)
+            else:
+                fetch(session)
+        except BeatrixError as error:
+            self._report(failed(action.row, "", error))
+        else:
+            self._report(done(action.row, "", "Done."))
 
     def _read(self) -> None:
         try:
@@ -92,3 +110,16 @@ def write(action: KeepGesture) -> Outcome:
         where = str(file if action.name else old)
         return failed(action.row, "", WindowError(Reason.BAD_VALUE, "result.no_write", file=where))
     return done(action.row, "", f"{file}: written.")
+
+
+def fetch(session: Session) -> None:
+    """Write the gestures of the class; one of the user that differs goes to the deleted ones. Raises WindowError."""
+    found = shared(session.client)
+    if not found:
+        raise WindowError(Reason.BAD_VALUE, "result.none_shared")
+    for name, text in found.items():
+        own = own_gestures.file_of(name)
+        if own is None or read(own).text != text:
+            outcome = write(KeepGesture(NEW, name, text, "" if own is None else name))
+            if not outcome.accepted:
+                raise WindowError(outcome.reason, outcome.key, None, **outcome.slots)

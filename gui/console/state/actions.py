@@ -190,6 +190,19 @@ class KeepGesture(Action, frozen=True):
     """the gesture that goes to the deleted ones; empty: none"""
 
 
+class ShareGesture(Action, frozen=True):
+    """Give a gesture of the user to the class."""
+
+    name: str
+    row: int = NEW
+
+
+class FetchGestures(Action, frozen=True):
+    """Write the gestures of the class to the folder of the user; of pupils those that the teacher has shared."""
+
+    row: int = NEW
+
+
 class WatchCameras(Action, frozen=True):
     """Subscribe to exactly these pictures."""
 

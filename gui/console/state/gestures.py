@@ -34,6 +34,7 @@ def view(memory: Memory, world: World) -> GesturesView:
     return GesturesView(
         gestures=tuple((name, _gesture(name, off, texts)) for name in GESTURES),
         own=own_gestures.view(world, off, texts),
+        fetch=own_gestures.fetch(world, texts),
         follow=follow,
         following=face.running,
         open=button(texts, "gesture.open", WriteFile(NEW, face.own_file, face.file), file=str(face.own_file)),

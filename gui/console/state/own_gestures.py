@@ -11,7 +11,7 @@ from beatrix_zenoh.client.choreography import GESTURES
 from beatrix_zenoh.client.degrees import ArmAngles
 from gui.console.state import sequence
 from gui.console.state import sequence_timing as timing
-from gui.console.state.actions import NEW, Action, KeepGesture, Play
+from gui.console.state.actions import NEW, Action, FetchGestures, KeepGesture, Play, ShareGesture
 from gui.console.state.intents import Intent, OpenSequence, SaveGesture
 from gui.console.state.memory import Handles, Memory, begin
 from gui.console.state.refusals import wrong_file
@@ -49,12 +49,20 @@ class DeleteGesture(Intent, frozen=True):
 
 def view(world: World, off: str, texts: Texts) -> tuple[OwnGestureView, ...]:
     """Return the buttons of all own gestures; `off` is the reason why none can be played, if that is a key."""
-    return tuple(_view(gesture, off, texts) for gesture in world.gestures)
+    return tuple(_view(gesture, off, world, texts) for gesture in world.gestures)
 
 
-def _view(gesture: OwnGesture, off: str, texts: Texts) -> OwnGestureView:
+def fetch(world: World, texts: Texts) -> ButtonView | None:
+    """Return the button that gets the gestures of the class; None: there is no class."""
+    key = "gesture.collect" if world.is_teacher else "gesture.fetch"
+    return None if world.account is None else button(texts, key, FetchGestures())
+
+
+def _view(gesture: OwnGesture, off: str, world: World, texts: Texts) -> OwnGestureView:
     name, emoji, file = gesture.name, gesture.emoji, f"{gesture.name}.csv"
+    share = () if world.account is None else (button(texts, "gesture.share", ShareGesture(name)),)
     menu = (
+        *share,
         button(texts, "gesture.edit", OpenGesture(name)),
         button(texts, "gesture.rename", RenameGesture(name, name, emoji)),
         button(texts, "gesture.delete", DeleteGesture(name)),
@@ -127,7 +135,12 @@ def _delete(memory: Memory, world: World, intent: DeleteGesture) -> list[Action]
     return begin(memory, world, KeepGesture(NEW, "", "", intent.name), CONTROL)
 
 
+def _request(memory: Memory, world: World, intent: ShareGesture | FetchGestures) -> list[Action]:
+    return begin(memory, world, intent, CONTROL)
+
+
 HANDLES: Handles = {
+    **dict.fromkeys((ShareGesture, FetchGestures), _request),
     SaveGesture: _save,
     RenameGesture: _rename,
     OpenGesture: _open,

@@ -229,6 +229,8 @@ class GesturesView:
     gestures: tuple[tuple[str, ButtonView], ...]
     """name and button of each shipped gesture"""
     own: tuple[OwnGestureView, ...]
+    fetch: ButtonView | None
+    """None: there is no class"""
     follow: ButtonView
     following: bool
     open: ButtonView

@@ -56,13 +56,14 @@ class GesturesPanel(Panel):
         others = {name: PictureButton(name) for name in GESTURES if name not in EMOTIONS}
         self.buttons = others | self.wheel.buttons
         self.follow, self.open = PictureButton("follow"), PictureButton("program")
+        self.fetch = PictureButton("fetch")
         self.own: dict[str, PictureButton] = {}
         """buttons of the user's gestures, by name"""
-        self._cells = [*others.values(), self.follow, self.open]
+        self._cells = [*others.values(), self.follow, self.open, self.fetch]
         self.note = ElidedLabel("dim", 0)
         self.form = GestureForm(texts)
         self._lay_out()
-        self.reports(*(button.intent for button in (*self.buttons.values(), self.follow, self.open)))
+        self.reports(*(button.intent for button in (*self.wheel.buttons.values(), *self._cells)))
 
     def _lay_out(self) -> None:
         self._inner, self._area = QWidget(), QScrollArea()
@@ -106,7 +107,7 @@ class GesturesPanel(Panel):
         width = room // columns - AIR_PX
         metrics, styles = self.fontMetrics(), Qt.ToolButtonStyle
         fit = max(metrics.horizontalAdvance(button.text()) for button in self._cells) < width
-        cells = [*self._cells, *self.own.values()]
+        cells = [*(button for button in self._cells if not button.isHidden()), *self.own.values()]
         for number, button in enumerate(cells):
             self._grid.addWidget(button, *divmod(number, columns))
             button.setToolButtonStyle(styles.ToolButtonTextUnderIcon if fit else styles.ToolButtonIconOnly)
@@ -123,6 +124,9 @@ class GesturesPanel(Panel):
             self._show_own(view.own)
         self.follow.show_view(view.follow)
         self.open.show_view(view.open)
+        self.fetch.setVisible(view.fetch is not None)
+        if view.fetch is not None:
+            self.fetch.show_view(view.fetch)
         set_role(self.follow, "running", "yes" if view.following else "")
         tooltip = (f"{view.follow.text}: {view.follow.tooltip}", view.note, view.details)
         self.follow.setToolTip("\n".join(text for text in tooltip if text))
