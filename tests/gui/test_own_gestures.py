@@ -18,7 +18,7 @@ from robots import until
 from beatrix_zenoh.blocks.program import WrongProgram
 from beatrix_zenoh.blocks.program import read as read_blocks
 from beatrix_zenoh.client import own_gestures as files
-from beatrix_zenoh.client.choreography import EMOTIONS, ArmPose, choreography, load, shipped
+from beatrix_zenoh.client.choreography import EMOTIONS, GESTURES, ArmPose, choreography, load, shipped
 from beatrix_zenoh.client.motion_file import parse
 from beatrix_zenoh.contract.errors import wrong_usage
 from gui.console.link.jobs import Jobs
@@ -34,6 +34,7 @@ from gui.console.state.world import OwnGesture
 from gui.console.texts import Texts
 from gui.window.widgets.gesture_pictures import EMOJI
 from gui.window.widgets.gestures import GesturesPanel
+from gui.window.widgets.picture_button import PictureButton
 
 TEXT = "t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,10,0,0,30\n1,0,0,0,\n"
 POSES = (SavedPose("left", 20.0, 20.0, 20.0, 2.0), SavedPose("up", -8.0, 4.0, 4.0, 2.0))
@@ -199,6 +200,8 @@ def test_a_press_anywhere_in_a_sector_of_the_wheel_plays_its_emotion(
 
 def test_a_gesture_of_the_user_has_a_button_with_a_menu(panel: tuple[GesturesPanel, list[Intent]]) -> None:
     made, reported = panel
+    shown = [button for button in made.findChildren(PictureButton) if button.isVisible()]
+    assert len(shown) == len(GESTURES) + 2 + 2, "Follow and Program, and two of the user; no class"
     assert "line 3" in made.own["broken"].toolTip()
     QTest.mouseClick(made.own["wink"], Qt.MouseButton.LeftButton, pos=QPoint(10, 10))
     edit, rename, delete = present(made.own["wink"].menu()).actions()

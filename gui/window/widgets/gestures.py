@@ -47,7 +47,7 @@ class GesturesPanel(Panel):
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
-        self._theme = Theme.DARK
+        self._theme, self._in_class = Theme.DARK, False
         self._own: tuple[OwnGestureView, ...] = ()
         self._asked: SaveGesture | RenameGesture = SaveGesture("", "")
         """what the form is about"""
@@ -57,6 +57,7 @@ class GesturesPanel(Panel):
         self.buttons = others | self.wheel.buttons
         self.follow, self.open = PictureButton("follow"), PictureButton("program")
         self.fetch = PictureButton("fetch")
+        self.fetch.hide()
         self.own: dict[str, PictureButton] = {}
         """buttons of the user's gestures, by name"""
         self._cells = [*others.values(), self.follow, self.open, self.fetch]
@@ -107,7 +108,8 @@ class GesturesPanel(Panel):
         width = room // columns - AIR_PX
         metrics, styles = self.fontMetrics(), Qt.ToolButtonStyle
         fit = max(metrics.horizontalAdvance(button.text()) for button in self._cells) < width
-        cells = [*(button for button in self._cells if not button.isHidden()), *self.own.values()]
+        fixed = self._cells if self._in_class else self._cells[:-1]
+        cells = [*fixed, *self.own.values()]
         for number, button in enumerate(cells):
             self._grid.addWidget(button, *divmod(number, columns))
             button.setToolButtonStyle(styles.ToolButtonTextUnderIcon if fit else styles.ToolButtonIconOnly)
@@ -124,7 +126,8 @@ class GesturesPanel(Panel):
             self._show_own(view.own)
         self.follow.show_view(view.follow)
         self.open.show_view(view.open)
-        self.fetch.setVisible(view.fetch is not None)
+        self._in_class = view.fetch is not None
+        self.fetch.setVisible(self._in_class)
         if view.fetch is not None:
             self.fetch.show_view(view.fetch)
         set_role(self.follow, "running", "yes" if view.following else "")
