@@ -8,6 +8,7 @@ from typing import Final, NamedTuple
 
 import msgspec
 
+from beatrix_zenoh.client import own_gestures
 from beatrix_zenoh.client.choreography import GESTURES
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import WrongUsage, quoted
@@ -246,6 +247,7 @@ def _field(saved: _Saved, key: str, words: Iterable[str], variables: Mapping[str
         return str(int(number)) if number.is_integer() else repr(number)
     if key == "VAR":
         found, words = msgspec.convert(found, _Table).get("id"), variables
-    if not isinstance(found, str) or found not in words:
+    own = key == "NAME" and isinstance(found, str) and own_gestures.possible(found)
+    if not isinstance(found, str) or (found not in words and not own):
         raise wrong("format", saved.id)
     return found

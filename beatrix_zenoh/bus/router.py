@@ -196,6 +196,7 @@ EVERYTHING = (
     keys.program("*", "*"),
     keys.note("*", "*"),
     keys.lesson("*", "*"),
+    keys.gesture("*", "*"),
     keys.pending("*", "*"),
     keys.seats_router("*"),
 )

@@ -1,4 +1,4 @@
-"""The reports of lessons that the process of the routers of a class keeps: one for each seat and lesson, in memory only."""
+"""Reports of lessons and shared gestures that the process of the routers of a class keeps, in memory only."""
 
 from __future__ import annotations
 
@@ -9,17 +9,22 @@ from typing import Final
 from msgspec import structs
 
 from beatrix_zenoh import bus as zbus
+from beatrix_zenoh.client.own_gestures import LARGEST_BYTES
 from beatrix_zenoh.contract import codec, names
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.contract._generated.messages import LessonState
+from beatrix_zenoh.contract._generated.messages import LessonState, SharedGesture
 from beatrix_zenoh.contract.errors import BeatrixError
 
 LARGEST: Final = 400
 """Largest report that is kept (bytes); a usual one has about 60."""
+LARGEST_GESTURE: Final = 2 * LARGEST_BYTES
+"""Largest message with a gesture that is kept (bytes)."""
+GESTURES_MAX: Final = 20
+"""Largest number of gestures of a seat."""
 
 
 class KeptReports:
-    """Keeps reports while the routers restart; access rules see to it that a seat writes only its own.
+    """Keeps reports and gestures while the routers restart; access rules see to it that a seat writes only its own.
 
     A seat may work in several folders: tries and hints never fall, and a lesson that was passed stays passed.
     """
@@ -29,8 +34,12 @@ class KeptReports:
         self._lessons = frozenset(lessons)
         self._kept: dict[str, LessonState] = {}
         """by key"""
+        self._gestures: dict[str, SharedGesture] = {}
+        """by key"""
         bus.subscribe(keys.lesson("*", "*"), self._keep)
         bus.serve(keys.lesson("*", "*"), self._answer)
+        bus.subscribe(keys.gesture("*", "*"), self._keep_gesture)
+        bus.serve(keys.gesture("*", "*"), self._answer)
 
     def _keep(self, report: zbus.Received) -> None:
         parts = keys.parse(report.key)
@@ -47,8 +56,22 @@ class KeptReports:
                 passed=old.passed or new.passed,
             )
 
+    def _keep_gesture(self, shared: zbus.Received) -> None:
+        parts = keys.parse(shared.key)
+        if parts is None or len(shared.payload) > LARGEST_GESTURE:
+            return
+        with contextlib.suppress(BeatrixError):
+            names.check_seat(parts.who)
+            new = codec.decode(shared.payload, SharedGesture)
+            seat = keys.gesture(parts.who, "")
+            if (
+                shared.key in self._gestures
+                or sum(key.startswith(seat) for key in self._gestures) < GESTURES_MAX
+            ):
+                self._gestures[shared.key] = new
+
     def _answer(self, incoming: zbus.Incoming) -> None:
-        for key, state in [*self._kept.items()]:
+        for key, kept in [*self._kept.items(), *self._gestures.items()]:
             if zbus.intersects(incoming.key, key):
-                incoming.reply(key, codec.encode(state), codec.MSGPACK)
+                incoming.reply(key, codec.encode(kept), codec.MSGPACK)
         incoming.finish()

@@ -185,12 +185,15 @@ def account_grant(name: str, drives: tuple[str, ...] = ()) -> Grant:
 def student_grant(seat: str, robots: tuple[str, ...]) -> Grant:
     """Return the grant of `account_grant`, and to drive the robots of the class under this seat and change their scenes.
 
-    A student may also record, send notes to all recordings, and report lessons, under this seat.
+    A student may also record, send notes to all recordings, report lessons and share gestures, under this seat, and
+    read the gestures of the teacher.
     """
     scenes = tuple(key for robot in robots for key in _scenes(robot))
     notes = keys.note(seat, ANY)
-    own = account_grant(seat, (*(_commands(robot, seat) for robot in robots), *scenes, notes))
-    return replace(own, serves=(*own.serves, keys.note(ANY, ANY)), puts=(*own.puts, keys.lesson(seat, ANY)))
+    shared = keys.gesture(names.TEACHER, ANY)
+    own = account_grant(seat, (*(_commands(robot, seat) for robot in robots), *scenes, notes, shared))
+    puts = (*own.puts, keys.lesson(seat, ANY), keys.gesture(seat, ANY))
+    return replace(own, serves=(*own.serves, keys.note(ANY, ANY)), puts=puts)
 
 
 def every_grant(name: str) -> Grant:

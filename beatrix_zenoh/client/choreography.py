@@ -14,7 +14,7 @@ from typing import Final, NamedTuple, Protocol
 import msgspec
 from msgspec.structs import replace
 
-from beatrix_zenoh.client import motion_file
+from beatrix_zenoh.client import motion_file, own_gestures
 from beatrix_zenoh.client.degrees import HeadAngles, checked_seconds, motion_query, pose_query
 from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.motion_file import FORM, SPEED, MotionFile, WrongLine
@@ -26,7 +26,18 @@ from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, S
 from beatrix_zenoh.contract.errors import naming, wrong_usage
 
 SHIPPED = resources.files("beatrix_zenoh") / "choreographies"
-GESTURES: Final = ("yes", "no", "hello", "surprised", "sleepy", "curious", "dance")
+EMOTIONS: Final = {
+    "happy": "😀",
+    "surprised": "😲",
+    "curious": "😏",
+    "afraid": "😨",
+    "sad": "😢",
+    "bored": "😒",
+    "sleepy": "😴",
+    "angry": "😠",
+}
+"""Gestures that show an emotion, in the order of the wheel of the window, and their emoji."""
+GESTURES: Final = ("yes", "no", "hello", "dance", *EMOTIONS)
 """Shipped choreographies that last a few seconds, and begin and end at home."""
 POLL_S = 0.01
 """Period (s) in which playing by the clock looks at both robots."""
@@ -105,20 +116,23 @@ def shipped(name: str) -> Choreography:
 
 
 def load(name: Path | str) -> Choreography:
-    """Read a choreography from a file, or the shipped one of this name if there is no such file.
+    """Read a choreography from a file; without such a file the shipped one, or the user's gesture, of this name.
 
     Raises:
         WrongUsage: BAD_VALUE; the message names the wrong line.
     """
     path = Path(name)
-    if not path.exists() and (SHIPPED / f"{path}.csv").is_file():
-        return shipped(str(path))
+    if not path.exists():
+        if (SHIPPED / f"{path}.csv").is_file():
+            return shipped(str(path))
+        path = own_gestures.file_of(str(name)) or path
     try:
         return choreography(motion_file.read(path))
     except OSError as error:
         names = ", ".join(sorted(entry.name.removesuffix(".csv") for entry in SHIPPED.iterdir()))
         raise wrong_usage(
-            f"{path} cannot be read: {error.strerror}. Name a file, or a shipped choreography: {names}.",
+            f"{path} cannot be read: {error.strerror}. Name a file, a gesture of yours in {own_gestures.folder()}, "
+            f"or a shipped choreography: {names}.",
         ) from error
 
 

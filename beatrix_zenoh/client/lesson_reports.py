@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import contextlib
 import time
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, TypeVar
+
+import msgspec
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import threads
@@ -17,6 +19,7 @@ from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.lesson_files import NOT_MEASURED
 from beatrix_zenoh.settings import Settings, resolve
 
+M = TypeVar("M", bound=msgspec.Struct)
 ANSWER_S: Final = 3.0
 """Time limit (s) for all reports of the router."""
 STUCK: Final = 5
@@ -100,17 +103,25 @@ def read(client: Client, timeout_s: float = ANSWER_S) -> list[Row]:
             f"You are {client.settings.who}; only the seat `teacher` reads the reports of the class. `beatrix lesson list` "
             "shows your own lessons.",
         )
-    rows, bus, begin_s = [], client.bus, time.monotonic()
-    for reply in bus.query(keys.lesson("*", "*"), timeout_s=timeout_s).replies(timeout_s):
+    found = kept(client, keys.lesson("*", "*"), LessonState, timeout_s)
+    return sorted(
+        (Row(seat, key.rpartition("/")[2], state) for seat, key, state in found), key=lambda row: row[:2]
+    )
+
+
+def kept(client: Client, key: str, kind: type[M], timeout_s: float = ANSWER_S) -> list[tuple[str, str, M]]:
+    """Return seat, key and message of each that the class's router keeps under a key; raises NoAnswer as `read`."""
+    found, bus, begin_s = [], client.bus, time.monotonic()
+    for reply in bus.query(key, timeout_s=timeout_s).replies(timeout_s):
         parts = keys.parse(reply.key)
-        state = None if reply.error or parts is None else client.read(reply, LessonState)
-        if parts is not None and state is not None:
-            rows.append(Row(parts.who, reply.key.rpartition("/")[2], state))
+        message = None if reply.error or parts is None else client.read(reply, kind)
+        if parts is not None and message is not None:
+            found.append((parts.who, reply.key, message))
     # Zenoh also ends the replies of a query whose time is over, or whose router is lost.
     if time.monotonic() - begin_s >= timeout_s or not bus.router_answers(timeout_s):
         text = (
-            f"The router at {bus.endpoint} has not sent all reports of the class within {timeout_s:g} s. "
+            f"The router at {bus.endpoint} has not sent all that the class has given to it within {timeout_s:g} s. "
             "Try again; `beatrix doctor` checks the router."
         )
         raise bus.refusal() or NoAnswer(Reason.TIMED_OUT, text)
-    return sorted(rows, key=lambda row: row[:2])
+    return found

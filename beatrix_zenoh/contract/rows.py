@@ -74,6 +74,7 @@ class Parts(NamedTuple):
     arm: str = ""
     session: str = ""
     lesson: str = ""
+    gesture: str = ""
 
 
 def parser(rows: Mapping[str, KeyRow], name: re.Pattern[str]) -> Callable[[str], Parts | None]:

@@ -109,7 +109,7 @@ class Snapshot:
     def info(self) -> Info:
         """Return all data that a program without this library needs to drive this robot."""
         limits, side = self._planner.limits, self.side
-        open_names = {name: f"<{name}>" for name in ("who", "arm", "eye", "session", "lesson")}
+        open_names = {name: f"<{name}>" for name in ("who", "arm", "eye", "session", "lesson", "gesture")}
         names = {"robot": self.name, "side": side, **open_names}
         return Info(
             robot=self.name,

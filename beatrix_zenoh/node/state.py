@@ -243,7 +243,7 @@ class UnknownKeys:
 
     def __init__(self, robot: str, side: str) -> None:
         self.base = f"beatrix/{robot}/{side}/"
-        fields = dict.fromkeys(("who", "arm", "eye", "session", "lesson"), "*")
+        fields = dict.fromkeys(("who", "arm", "eye", "session", "lesson", "gesture"), "*")
         rows = [row for row in keys.KEYS.values() if side in row.sides]
         found = {row.key.format_map({**fields, "robot": robot, "side": side}): row.kind for row in rows}
         self._known = {key: kind for key, kind in found.items() if key.startswith(self.base)}

@@ -10,6 +10,8 @@ from typing import Final, get_args
 
 import msgspec
 
+from beatrix_zenoh.client.choreography import EMOTIONS
+from beatrix_zenoh.client.own_gestures import possible
 from beatrix_zenoh.contract._generated.messages import LeaseAction
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.link import Link
@@ -27,7 +29,7 @@ from gui.console.state.arms import HoldArm, Steer
 from gui.console.state.intents import Intent, Tab
 from gui.console.state.saved import Saved
 from gui.console.state.state import State
-from gui.console.state.views import BannerView, ButtonView, ClassView, PillView, View
+from gui.console.state.views import BannerView, ButtonView, ClassView, GesturesView, PillView, View
 from gui.console.state.world import LinkPhase, World, online
 from gui.console.texts import Texts, load
 from gui.page import lessons_face
@@ -240,7 +242,7 @@ class Face:
             "pills": [_pill(pill) for pill in view.pills],
             "head": replace(view.head, path=(), drag=replace(view.head.drag, border=())),
             "border": view.head.drag.border,
-            "gestures": {"gestures": view.gestures.gestures, "refusal": view.gestures.refusal},
+            "gestures": {"gestures": _gestures(view.gestures), "refusal": view.gestures.refusal},
             "history": view.history[:HISTORY],
             "programs": self.desk.view,
             "opened": self.desk.opened,
@@ -334,6 +336,12 @@ def _texts_of_page(code: str) -> msgspec.Raw:
     return msgspec.Raw(
         ENCODER.encode({name: text for name, text in texts.items() if name.startswith(TEXT_KEYS)})
     )
+
+
+def _gestures(view: GesturesView) -> list[tuple[str, str, ButtonView]]:
+    """Return name, emoji and button of each gesture, those of the user at the end."""
+    shipped = [(name, EMOTIONS.get(name, ""), button) for name, button in view.gestures]
+    return shipped + [(own.name, own.emoji, own.play) for own in view.own if possible(own.name)]
 
 
 def _governing(view: ClassView | None) -> dict[str, object] | None:

@@ -7,6 +7,7 @@ from typing import Annotated, Final
 import msgspec
 from msgspec import Meta
 
+from beatrix_zenoh.client import own_gestures
 from beatrix_zenoh.client.choreography import GESTURES
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction
 from gui.console.state import actions, intents
@@ -169,7 +170,8 @@ def _possible(request: Request) -> bool:
         case actions.AskLease(action=action):
             return action in LEASES
         case actions.Play(gesture=gesture):  # no file, and no poses: those are of the sequence
-            return gesture in GESTURES and request == actions.Play(actions.NEW, (), gesture=gesture)
+            known = gesture in GESTURES or own_gestures.possible(gesture)
+            return known and request == actions.Play(actions.NEW, (), gesture=gesture)
         case intents.RunCommand(command=command):
             return command in COMMANDS
         case intents.Choose(name=name):

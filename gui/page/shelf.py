@@ -16,12 +16,11 @@ import msgspec
 from beatrix_zenoh import files
 from beatrix_zenoh.blocks import python
 from beatrix_zenoh.blocks.program import BYTES_MAX, WrongProgram, read
+from beatrix_zenoh.client.own_gestures import DEVICES
 from beatrix_zenoh.contract.errors import BeatrixError
 from gui.page.messages import SaveProgram
 
 NAME: Final = re.compile(r"[\w-](?:[\w -]{0,38}[\w-])?")
-DEVICES: Final = re.compile(r"(?i)con|prn|aux|nul|com\d|lpt\d")
-"""Names that Windows keeps for devices, whatever their ending."""
 PROGRAMS_MAX: Final = 50
 """Largest number of programs of a seat."""
 VERSIONS_MAX: Final = 10

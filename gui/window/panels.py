@@ -171,6 +171,10 @@ class Panels(QWidget):
         self.header.keys_asked.connect(self.key_sheet.toggle)
         self.tabs.currentChanged.connect(self._report_tab)
         self.steering = Steering((self.head.pad, self.head3d), self.intent.emit)
+        self.sequence.gesture.intent.connect(self.gestures.ask)
+        self.gestures.shown.connect(
+            lambda own: self.low_area.setCurrentWidget(self.gestures if own else self.sequence)
+        )
 
     def _report_tab(self, number: int) -> None:
         if 0 <= number < len(Tab):

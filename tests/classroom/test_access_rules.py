@@ -193,6 +193,11 @@ TABLE: list[tuple[str, Kind, str, bool]] = [
     ("ana", asks, keys.lesson("ana", ANY), False),
     ("ana", serves, keys.lesson("ana", ANY), False),
     ("bea1", asks, keys.lesson(ANY, ANY), False),
+    # a seat shares gestures under its own name, and reads those of the teacher (test_lesson_reports.py)
+    ("ana", puts, keys.gesture("ben", "abc"), False),
+    ("ana", asks, keys.gesture("ben", ANY), False),
+    ("ana", asks, keys.gesture(ANY, ANY), False),
+    ("ana", serves, keys.gesture("teacher", ANY), False),
     ("ana", asks, keys.note(ANY, ANY), False),
     ("bea1", serves, keys.note(ANY, "def"), False),
     ("teacher", serves, keys.note(ANY, "ghi"), True),

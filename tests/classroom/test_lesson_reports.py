@@ -1,4 +1,4 @@
-"""Reports of lessons in a class: each seat writes its own, and the teacher reads all."""
+"""Reports of lessons and shared gestures in a class: each seat writes its own, and the teacher reads all."""
 
 from __future__ import annotations
 
@@ -11,15 +11,18 @@ from patient_connections import patiently
 from robots import assert_fails, until
 from shell import good
 
+from beatrix_zenoh.classroom.reports import GESTURES_MAX
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.client import lesson_reports as reports
+from beatrix_zenoh.client.shared_gestures import share, shared
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LessonState, Reason
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import Refused, WrongUsage
 from beatrix_zenoh.lessons.progress import Record
 
 STUCK = Record(tries=7, hints=[1], figure="nods", stuck=reports.STUCK)
+LONG = "1.000,12.000,-12.000,0.000,30,pose\n" * 250
 PASSED = Record(tries=2, passed=["0" * 64])
 
 
@@ -88,6 +91,24 @@ def test_the_teacher_reads_what_each_seat_has_reported(
         ("ana", "01-hello", "passed"),
         ("ben", "01-hello", "passed"),
     ]
+
+
+def test_the_teacher_collects_gestures_and_hands_them_out(router: ClassRouter, teacher: Client) -> None:
+    with router.client("ana") as ana, router.client("ben") as ben:
+        for name, text in (("wink", "old\n"), ("wink", "new\n"), ("nod", LONG)):
+            share(ana, name, text)
+        for number in range(GESTURES_MAX + 5):
+            share(ben, f"g{number}", "")
+        assert_fails(lambda: share(ben, "huge", 2 * LONG), WrongUsage, Reason.BAD_VALUE)
+        share(ben, "../x", "")
+        found = shared(teacher)
+        assert (found["ana-wink"], found["ana-nod"]) == ("new\n", LONG)
+        assert len([name for name in found if name.startswith("ben-g")]) == GESTURES_MAX
+        assert len(found) == 2 + GESTURES_MAX
+        assert shared(ben) == {}
+        share(teacher, "ana-wink", "new\n")
+        assert shared(ben) == {"ana-wink": "new\n"}
+        assert shared(teacher).keys() == found.keys()
 
 
 def test_a_report_names_no_person_and_is_small() -> None:

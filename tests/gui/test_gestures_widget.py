@@ -18,7 +18,8 @@ from gui.console.state.memory import Memory
 from gui.console.state.saved import Choices
 from gui.console.state.world import FaceProgress
 from gui.console.texts import Texts
-from gui.window.widgets.gestures import GesturesPanel, PictureButton
+from gui.window.widgets.gestures import GesturesPanel
+from gui.window.widgets.picture_button import PictureButton
 
 OWN = Path("/home/ana/beatrix-programs/follow_the_face.py")
 

@@ -96,7 +96,7 @@ PRESSES = st.sampled_from(
         intents.EmergencyStop(),
         intents.Undo(),
         intents.Choose("language", "de"),
-        Play(0, (), Path("it's\nmine.csv")),
+        Play(0, (), gesture="mine"),
         intents.AddPose("nod"),
         intents.PlaySequence("sim"),
     ]

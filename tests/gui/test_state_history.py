@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import count
-from pathlib import Path
 from typing import Any
 from unittest.mock import MagicMock, create_autospec
 
@@ -83,7 +82,7 @@ def test_a_stop_that_one_side_has_not_carried_out_is_not_called_refused(
 
 OFF = RunCommand(Command.ENABLE, value=False)
 STOP = (intents.Stop(),)
-FILE = Play(0, (), Path("it's.csv"))
+OWN = Play(0, (), gesture="it is")
 POSES = (intents.AddPose("a"), intents.AddPose("b"), intents.PlaySequence("sim"))
 LOOKING = "yaw=20, pitch=-10, roll=0, speed=30"
 LINES: list[tuple[tuple[Intent, ...], str]] = [
@@ -97,7 +96,7 @@ LINES: list[tuple[tuple[Intent, ...], str]] = [
     ((RunCommand(Command.RESET, side="hw"),), "twin.hw.reset()"),
     (STOP, "twin.stop()"),
     ((MakeReady("hw"),), "twin.hw.make_ready()"),
-    ((BOTH, FILE), 'play(twin, load("it\'s.csv"), lead_s=2)'),
+    ((BOTH, OWN), "play(twin, load('it is'), lead_s=2)"),
     ((AskLease(LeaseAction.TAKE, "sim"),), "twin.sim.lease()"),
     ((AskLease(LeaseAction.WAIT, "hw"),), "twin.hw.lease(wait_s=60)"),
 ]

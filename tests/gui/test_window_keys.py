@@ -106,7 +106,7 @@ def test_stop_works_while_a_list_a_menu_or_a_dialog_is_open(
         press(key)
         assert intents() == [Stop()]
         assert QApplication.activePopupWidget() is None
-    window.panels.sequence.entries["play_file"].trigger()
+    window.panels.sequence.entries["open"].trigger()
     dialog = present(window.panels.sequence.dialog)
     qtbot.waitUntil(lambda: QApplication.activeWindow() is dialog)
     press(key)

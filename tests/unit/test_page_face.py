@@ -115,7 +115,7 @@ def test_a_message_that_no_page_sends_is_invalid(forged: str) -> None:
         '{"do":"RunCommand","command":6,"side":"hw"}',
         '{"do":"AimHead","yaw":180,"pitch":-30,"roll":0}',
         '{"do":"AddPose","name":"Kopf hoch"}',
-        '{"do":"Play","row":0,"sides":[],"file":null,"poses":[],"again":[],"lead_s":0.0,"gesture":"yes"}',
+        '{"do":"Play","row":0,"sides":[],"poses":[],"again":[],"lead_s":0.0,"gesture":"yes"}',
     ],
 )
 def test_a_message_of_a_button_or_a_field_is_read(sent: str) -> None:

@@ -54,6 +54,7 @@ seats_router = KeyRow("beatrix/@router/{session}", "", "", "control", kind="toke
 program = KeyRow("beatrix/@program/{who}/{session}", "", "ProgramInfo", "queries")
 note = KeyRow("beatrix/@note/{who}/{session}", "NoteQuery", "NoteReply", "queries")
 lesson = stream("beatrix/@lesson/{who}/{lesson}", "LessonState", publish="queries")
+gesture = stream("beatrix/@gesture/{who}/{gesture}", "SharedGesture", publish="queries")
 pending = KeyRow("beatrix/@pending/{robot}/{side}", "LeaseQuery", "LeaseReply", "queries", "interactive_high")
 
 KEYS: Final = {name: row for name, row in vars().items() if isinstance(row, KeyRow)}
@@ -86,6 +87,7 @@ KEY_TEXT: Final = {
     "program": "What a program says of itself: a client under its seat, a node under its robot's name, each with the id of its session. `beatrix graph` asks all of them; the router answers nothing about itself.",
     "note": "Put a note into a running recording; the chunk after the seat is the session of the recorder, or `*` for all recordings. Answered by each `beatrix record`.",
     "lesson": "What a seat has reached in a lesson. The router of a class keeps the newest of each in memory until it ends. In a class each seat publishes only under its own name, and only the teacher reads.",
+    "gesture": "A gesture that a seat gives to its class; the last chunk is made of its name. The router of a class keeps the newest of each in memory until it ends, at most 20 of a seat. In a class each seat publishes only under its own name, the teacher reads those of all seats, and a seat those of the teacher.",
     "pending": "A decision of the teacher (freeze, mute, limit and their ends) for robots of a class that are not online: the router of the class keeps the newest of each kind in a file, and sends it to the robot when that comes. Each robot for which it keeps any has a reply that lists them; an empty query only reads them. In a class only the teacher may send it.",
 }
 NAME: Final = re.compile(r"[a-z0-9-]{1,32}")

@@ -12,7 +12,7 @@ from msgspec import Meta, Struct
 
 from beatrix_zenoh.contract.rows import Code, ValueRow, Word
 
-CONTRACT: Final = "37f94b0d"
+CONTRACT: Final = "b198f21d"
 """Hash of messages and keys."""
 
 Int16 = Annotated[int, Meta(ge=-(2**15), le=2**15 - 1)]
@@ -714,6 +714,15 @@ class LessonState(Struct, frozen=True, kw_only=True):
     """checks since one has ended at a figure for the first time"""
     passed: bool
     """a program of this seat has passed"""
+
+
+class SharedGesture(Struct, frozen=True, kw_only=True):
+    """A gesture that a seat gives to its class."""
+
+    name: Text
+    """its name, at most 24 characters"""
+    lines: list[Text]
+    """those of its file, at most 16 KiB: a choreography with an emoji"""
 
 
 class FrameHeader(Sample, frozen=True, kw_only=True):

@@ -1,4 +1,4 @@
-"""Plays of files, poses and gestures: read and checked as a whole before anything moves."""
+"""Plays of poses and gestures: read and checked as a whole before anything moves."""
 
 from __future__ import annotations
 
@@ -6,16 +6,15 @@ import itertools
 from collections.abc import Iterable
 from dataclasses import replace
 
-from beatrix_zenoh.client import choreography, motion_file
-from beatrix_zenoh.client.choreography import ArmPose, Choreography, Step, play
-from beatrix_zenoh.client.motion_file import SPEED
+from beatrix_zenoh.client import choreography, motion_file, own_gestures
+from beatrix_zenoh.client.choreography import GESTURES, ArmPose, Choreography, Step, play
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.client.twin import Twin
 from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import WrongUsage
 from gui.console.link.outcomes import WindowError, accepted
+from gui.console.link.own_gestures import read as read_gesture
 from gui.console.link.request import BOTH, Program, Report
-from gui.console.state.actions import LARGEST_BYTES, POSES, Play
+from gui.console.state.actions import POSES, Play
 from gui.console.state.refusals import wrong_file
 
 
@@ -43,7 +42,7 @@ class Playing(Program):
         action, found = self._action, read(self._action)
         self.check()
         infos = [robot.info() for robot in self._both]
-        if action.gesture:
+        if action.gesture in GESTURES:
             found = found.at_most(min(info.limits.speed_default for info in infos))
         for robot in robots_of(infos):
             check_choreography(_poses((*action.poses, *action.again)) if action.again else found, robot)
@@ -68,23 +67,17 @@ def _poses(poses: Iterable[ArmPose]) -> Choreography:
 
 
 def read(action: Play) -> Choreography:
-    """Return the choreography to play; raises WindowError if its file cannot be used."""
-    if action.gesture:
-        return choreography.shipped(action.gesture)
-    file = action.file
-    if file is None:
+    """Return the choreography to play; raises WindowError if the file of a gesture of the user cannot be used."""
+    name = action.gesture
+    if not name:
         return _poses(action.poses)
-    try:
-        size = file.stat().st_size
-        if size > LARGEST_BYTES:
-            mb, most_mb = size / 1e6, LARGEST_BYTES / 1e6
-            raise WindowError(Reason.BAD_VALUE, "result.too_large", file=str(file), size=mb, allowed=most_mb)
-        found = motion_file.read(file)
-        if not found.with_speed:
-            raise WindowError(Reason.BAD_VALUE, "cannot.path", file=file.name, speed=SPEED)
-        return choreography.choreography(found)
-    except OSError as error:
-        raise WindowError(Reason.BAD_VALUE, "result.no_read", file=str(file)) from error
-    except WrongUsage as error:
-        key, slots = wrong_file(error, file.name)
-        raise WindowError(Reason.BAD_VALUE, key, None, **slots) from error
+    if name in GESTURES:
+        return choreography.shipped(name)
+    file = own_gestures.file_of(name)
+    if file is None:
+        raise WindowError(Reason.BAD_VALUE, "result.no_gesture", name=name)
+    found = read_gesture(file)
+    if found.wrong is not None:
+        key, slots = wrong_file(found.wrong, file.name)
+        raise WindowError(Reason.BAD_VALUE, key, None, **slots) from found.wrong
+    return choreography.choreography(motion_file.parse(found.text, file.name))

@@ -21,6 +21,7 @@ from gui.console.link.governing import LessonReports, robots_online, send_govern
 from gui.console.link.jobs import Jobs
 from gui.console.link.moving import Moving, RobotAction
 from gui.console.link.outcomes import WindowError, failed, stopped, write
+from gui.console.link.own_gestures import OwnGestures
 from gui.console.link.pictures import Camera, CameraStream, LevelStream, OnImage, Watcher, levels
 from gui.console.link.programs import Following
 from gui.console.link.routers import Routers
@@ -29,7 +30,8 @@ from gui.console.state import actions
 from gui.console.state.actions import Action, Outcome, SendStop
 from gui.console.state.world import World
 
-A = TypeVar("A", bound=RobotAction | actions.Govern | actions.Hold | SendStop)
+Shared = actions.ShareGesture | actions.FetchGestures
+A = TypeVar("A", bound=RobotAction | actions.Govern | actions.Hold | SendStop | Shared)
 OnOutcome = Callable[[Outcome], None]
 CLOSE_S = 2.8
 """Time limit for threads and processes to end; slower threads and processes end by themselves afterwards."""
@@ -70,7 +72,7 @@ class Link:
         )
         self.moving = Moving(jobs, report)
         self._stop_sender = StopSender("window")
-        self._lessons = LessonReports(jobs)
+        self._lessons, self._gestures = LessonReports(jobs), OwnGestures(jobs, report)
         period_s = PROBE_S if shared is None else PROBE_SHARED_S
         self._probes = {side: Probe(side, jobs, period_s) for side in SIDES}
         self._children = Children(jobs, self._connection.try_now)
@@ -98,8 +100,7 @@ class Link:
         blocks = program if isinstance(program, BlockRun) else None
         latency_s = {} if robot else {side: probe.round_trip_s for side, probe in self._probes.items()}
         robot = robot or connection.robot
-        sim, hw = connection.states(robot)
-        session, now_s = connection.session, time.monotonic()
+        (sim, hw), session, now_s = connection.states(robot), connection.session, time.monotonic()
         connection.look(now_s)
         for look in (self._probes["sim"].look, self._probes["hw"].look, self._lessons.look):
             look(session, now_s)
@@ -131,6 +132,7 @@ class Link:
             playing_pose=-1 if play is None else play.pose,
             blocks_run=blocks is not None,
             block="" if blocks is None else blocks.block,
+            gestures=self._gestures.newest(now_s),
             face=moving.face.progress(running=isinstance(program, Following)),
             wall_s=time.time(),
             session="" if session is None else session.client.bus.session_id,
@@ -175,6 +177,8 @@ class Link:
             actions.EndBlocks: lambda _: moving.end_blocks(),
             actions.EndFollowing: lambda _: moving.end_following(),
             actions.WriteFile: self._write,
+            actions.KeepGesture: self._gestures.keep,
+            **dict.fromkeys((actions.ShareGesture, actions.FetchGestures), online(self._gestures.exchange)),
         }
 
     def _see(self, session: Session, eye: Camera) -> CameraStream:

@@ -123,30 +123,27 @@ class Abort(Action, frozen=True):
 
 
 POSES = "poses"
-"""The name of a play that has no file."""
+"""The name of a play of poses."""
 LARGEST_BYTES = 1 << 19
-"""Largest size of a file to play or to open (bytes): about 15 000 lines. Checking them takes seconds, in which STOP
-cannot end the play."""
+"""Largest size of a choreography to open (bytes)."""
 
 
 class Play(Action, frozen=True):
-    """Play a file, or poses that begin at their times."""
+    """Play a gesture, or poses that begin at their times."""
 
     row: int
     sides: tuple[str, ...]
-    file: Path | None = None
-    """None: the gesture or the poses are played"""
     poses: tuple[ArmPose, ...] = ()
     again: tuple[ArmPose, ...] = ()
     """played after `poses`, over and over until a newer request or STOP; empty: the play ends"""
     lead_s: float = 0.0
     gesture: str = ""
-    """name of a shipped choreography; empty: file or poses"""
+    """name of a shipped choreography, or of a gesture of the user; empty: the poses are played"""
 
     @property
     def title(self) -> str:
-        """The name of the gesture or of the file, or POSES."""
-        return self.gesture or (POSES if self.file is None else self.file.stem)
+        """The name of the gesture, or POSES."""
+        return self.gesture or POSES
 
 
 class RunBlocks(Action, frozen=True):
@@ -182,6 +179,30 @@ class WriteFile(Action, frozen=True):
     file: Path
     content: str | bytes | Path
     """text (UTF-8), a picture, or a file to copy unless the one to write exists"""
+
+
+class KeepGesture(Action, frozen=True):
+    """Write a gesture of the user, or delete one; the outcome names no robot."""
+
+    row: int
+    name: str
+    """empty: none is written"""
+    text: str
+    instead: str = ""
+    """the gesture that goes to the deleted ones; empty: none"""
+
+
+class ShareGesture(Action, frozen=True):
+    """Give a gesture of the user to the class."""
+
+    name: str
+    row: int = NEW
+
+
+class FetchGestures(Action, frozen=True):
+    """Write the gestures of the class to the folder of the user; of pupils those that the teacher has shared."""
+
+    row: int = NEW
 
 
 class WatchCameras(Action, frozen=True):

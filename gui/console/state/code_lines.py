@@ -64,8 +64,8 @@ def python(request: Request, variable: str = "twin", *, once: bool = False) -> s
 def _play_python(request: Play, robot: str, *, both: bool, once: bool) -> str:
     """Return the lines of a play, which contain the time of each pose, so that pauses are repeated as well."""
     lead = f", lead_s={_number(request.lead_s)}" if request.lead_s and both else ""
-    if played := request.gesture or ("" if request.file is None else str(request.file)):
-        return f"play({robot}, load({played!r}){lead})"
+    if request.gesture:
+        return f"play({robot}, load({request.gesture!r}){lead})"
     lines = _poses_python(request.poses, robot, lead)
     if request.again and not once:
         again = _poses_python(request.again, robot, lead)

@@ -6,15 +6,14 @@ from msgspec import structs
 
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.choreography import GESTURES
-from gui.console.state import refusals
+from gui.console.state import own_gestures, refusals
 from gui.console.state.actions import NEW, POSES, Action, EndFollowing, FollowFace, Play, WriteFile
 from gui.console.state.memory import Handles, Memory, begin, lead_of, unreachable
 from gui.console.state.views import ButtonView, GesturesView, button
 from gui.console.state.world import World
 from gui.console.texts import Texts
 
-CONTROL, FILES = "gestures", "commands"
-"""controls of gestures, and of files to play"""
+CONTROL = "gestures"
 EYE = "left"
 """The eye with which the shipped program sees."""
 TEST_PICTURE = "pattern"
@@ -34,6 +33,8 @@ def view(memory: Memory, world: World) -> GesturesView:
         note = texts("gesture.own", file=str(face.file)) if face.own else ""
     return GesturesView(
         gestures=tuple((name, _gesture(name, off, texts)) for name in GESTURES),
+        own=own_gestures.view(world, off, texts),
+        fetch=own_gestures.fetch(world, texts),
         follow=follow,
         following=face.running,
         open=button(texts, "gesture.open", WriteFile(NEW, face.own_file, face.file), file=str(face.own_file)),
@@ -55,10 +56,10 @@ def title(playing: str, texts: Texts) -> str:
 
 
 def play(memory: Memory, world: World, intent: Play) -> list[Action]:
-    """Return the action that plays a gesture or a file with the checked robots."""
-    sides, control = memory.choices.sides, CONTROL if intent.gesture else FILES
+    """Return the action that plays a gesture with the checked robots."""
+    sides = memory.choices.sides
     request = structs.replace(intent, sides=sides, lead_s=lead_of(memory, sides))
-    return begin(memory, world, request, control)
+    return begin(memory, world, request, CONTROL)
 
 
 def follow_face(memory: Memory, world: World, _intent: FollowFace) -> list[Action]:

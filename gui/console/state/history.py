@@ -19,7 +19,8 @@ from beatrix_zenoh.contract._generated.messages import (
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import actions, code_lines, other_seats
 from gui.console.state.actions import Govern, Outcome, Play, Send, SendStop
-from gui.console.state.memory import Memory, RequestRow
+from gui.console.state.gestures import title
+from gui.console.state.memory import Gesture, Memory, RequestRow
 from gui.console.state.refusals import reason_of, sentence, side_of, told_by
 from gui.console.state.views import HistoryRowView
 from gui.console.state.world import Trouble, World, news
@@ -212,6 +213,8 @@ def what(row: RequestRow, texts: Texts) -> str:
             key = "what.blocks"
         case actions.WriteFile(file=file):
             key, slots = "what.save", {"title": file.name}
+        case actions.KeepGesture() | actions.ShareGesture() | actions.FetchGestures():
+            return _about_gesture(row.request, texts)
     return texts(key, **slots)
 
 
@@ -240,11 +243,21 @@ def _way(query: PoseQuery, texts: Texts) -> str:
 
 def _played(request: Play, texts: Texts) -> str:
     if request.gesture:
-        return texts("what.gesture", title=texts(f"gesture.{request.gesture}"))
-    if request.file is not None:
-        return texts("what.play", title=request.file.name)
+        return texts("what.gesture", title=title(request.gesture, texts))
     count = len(request.poses)
     return texts("what.play_pose" if count == 1 else "what.play_poses", count=float(count))
+
+
+def _about_gesture(request: Gesture, texts: Texts) -> str:
+    """Return a request about gestures of the user in a few words."""
+    match request:
+        case actions.KeepGesture(name="", instead=old):
+            return texts("what.delete", title=old)
+        case actions.ShareGesture(name=name):
+            return texts("what.share", title=name)
+        case actions.KeepGesture(name=name):
+            return texts("what.save", title=name)
+    return texts("what.fetch")
 
 
 def _governed(request: Govern, texts: Texts) -> str:

@@ -229,6 +229,13 @@ class SaveSequence(Intent, frozen=True):
     program: bool = False
 
 
+class SaveGesture(Intent, frozen=True):
+    """Save the sequence as a gesture; one of the same name is replaced."""
+
+    name: str
+    emoji: str
+
+
 class OpenSequence(Intent, frozen=True):
     """Replace the sequence by the choreography in a file."""
 

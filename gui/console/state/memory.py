@@ -29,7 +29,8 @@ Motion = actions.Send | actions.Play | actions.RunBlocks | actions.FollowFace
 """Actions that move robots until they end."""
 ToRobots = Motion | actions.SendCommand | actions.AskLease | actions.MakeReady
 """Actions that are sent only if their robots are online."""
-Request = ToRobots | actions.SendStop | actions.Govern | actions.WriteFile
+Gesture = actions.KeepGesture | actions.ShareGesture | actions.FetchGestures
+Request = ToRobots | actions.SendStop | actions.Govern | actions.WriteFile | Gesture
 """Actions with a row in the history."""
 
 
@@ -40,9 +41,7 @@ def sides_of(request: Request) -> tuple[str, ...]:
             return (side,)
         case actions.SendStop(everywhere=everywhere):
             return () if everywhere else SIDES
-        case actions.Govern() | actions.WriteFile():
-            return ()
-    return request.sides
+    return request.sides if isinstance(request, Motion | actions.SendCommand) else ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,6 +23,7 @@ from gui.console.state.intents import (
     Intent,
     MovePose,
     RenamePose,
+    SaveGesture,
     SetDuration,
 )
 from gui.console.state.memory import Handles, Memory, RequestRow, begin, unreachable
@@ -77,6 +78,7 @@ def view(memory: Memory, world: World) -> SequenceView:
             texts, "sequence.play", intents.PlaySequence("sim"), play if poses else NONE, seconds=whole_s
         ),
         hardware=button(texts, "sequence.hardware", intents.PlaySequence("hw"), hardware if poses else NONE),
+        gesture=button(texts, "sequence.gesture", SaveGesture("", ""), "" if poses else NONE),
         played=world.playing_pose,
         facing=memory.choices.facing,
     )
@@ -194,7 +196,7 @@ def play(memory: Memory, world: World, intent: intents.PlaySequence) -> list[Act
     if side == "hw" and memory.rehearsed != _rehearsal(memory, world):
         return memory.refuse(CONTROL, "off.not_rehearsed")
     limits, start = timing.limits_of(world), commanded(world, STARTS[side]) or timing.HOME
-    if _refuse_short(memory, start, limits, loop=loop):
+    if refuse_short(memory, start, limits, loop=loop):
         return []
     begun = begin(memory, world, _play(memory.poses, side, start, limits, loop=loop), CONTROL)
     memory.begun = (memory.numbers, _rehearsal(memory, world)) if side == "sim" else (0, ())
@@ -207,14 +209,14 @@ def _play(
     """Return the play of poses whose first one begins at `start`."""
     steps = tuple(timing.timed(poses, start, limits))
     if not loop:
-        return Play(NEW, (side,), None, steps)
+        return Play(NEW, (side,), steps)
     last = ArmAngles(*poses[-1].arms)
     holds = len(poses) > 1 and timing.way(ArmAngles(*poses[-2].arms), poses[-1]) < timing.SAME_DEG
     again = timing.timed(poses, last, limits, poses[-1].duration_s if holds else 0.0)
-    return Play(NEW, (side,), None, steps, tuple(again))
+    return Play(NEW, (side,), steps, tuple(again))
 
 
-def _refuse_short(memory: Memory, start: ArmAngles, limits: LimitsData, *, loop: bool) -> bool:
+def refuse_short(memory: Memory, start: ArmAngles, limits: LimitsData, *, loop: bool) -> bool:
     """Return whether a pose cannot be reached in its duration; if so, show the first one."""
     short = timing.too_short(memory.poses, start, limits, loop=loop)
     if not short:
@@ -240,7 +242,7 @@ def _save(memory: Memory, world: World, intent: intents.SaveSequence) -> list[Ac
     if not memory.poses:
         return memory.refuse(CONTROL, NONE)
     limits, loop = timing.limits_of(world), intent.program and memory.choices.loop
-    if _refuse_short(memory, timing.HOME, limits, loop=loop):
+    if refuse_short(memory, timing.HOME, limits, loop=loop):
         return []
     text = program_of(memory, world, limits) if intent.program else choreography_of(memory.poses, limits)
     return begin(memory, world, WriteFile(NEW, intent.file, text), CONTROL)
@@ -270,7 +272,7 @@ def program_of(memory: Memory, world: World, limits: LimitsData) -> str:
     return code_lines.program(lines, world, title)
 
 
-def _open(memory: Memory, world: World, intent: intents.OpenSequence) -> list[Action]:
+def replace_by(memory: Memory, world: World, intent: intents.OpenSequence) -> list[Action]:
     """Replace the strip by a choreography: each pose is reached when the next one begins."""
     if intent.trouble:
         return memory.refuse(CONTROL, "cannot.open", file=intent.file.name)
@@ -313,5 +315,5 @@ HANDLES: Handles = {
     intents.UndoSequence: undo,
     intents.PlaySequence: play,
     intents.SaveSequence: _save,
-    intents.OpenSequence: _open,
+    intents.OpenSequence: replace_by,
 }

@@ -17,6 +17,7 @@ from gui.console.state import (
     intents,
     leases,
     missions,
+    own_gestures,
     pills,
     refusals,
     sending,
@@ -43,7 +44,7 @@ def choose(memory: Memory, world: World, intent: Choose) -> list[Action]:
 
 TOPICS = (
     *(arms, blocks, class_page, commands, connecting, gestures, leases),
-    *(refusals, sending, sequence),
+    *(own_gestures, refusals, sending, sequence),
 )
 HANDLES: Handles = {
     Choose: choose,

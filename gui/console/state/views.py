@@ -216,11 +216,25 @@ class CommandsView:
 
 
 @dataclass(frozen=True)
+class OwnGestureView:
+    """A gesture of the user."""
+
+    name: str
+    emoji: str
+    play: ButtonView
+    menu: tuple[ButtonView, ...]
+    """changes; the one with `RenameGesture` asks for name and emoji first"""
+
+
+@dataclass(frozen=True)
 class GesturesView:
     """Gestures, and the program that follows a face."""
 
     gestures: tuple[tuple[str, ButtonView], ...]
-    """name and button of each gesture"""
+    """name and button of each shipped gesture"""
+    own: tuple[OwnGestureView, ...]
+    fetch: ButtonView | None
+    """None: there is no class"""
     follow: ButtonView
     following: bool
     open: ButtonView
@@ -271,6 +285,8 @@ class SequenceView:
     undo: ButtonView
     play: ButtonView
     hardware: ButtonView
+    gesture: ButtonView
+    """the button's intent has no name and no emoji: the widget of the gestures asks for them"""
     played: int = -1
     """number of the card that is being played, from 0; -1: none"""
     facing: bool = True

@@ -14,6 +14,7 @@ from beatrix_zenoh.client.degrees import ArmAngles, Reading
 from beatrix_zenoh.client.degrees import Path as MotionPath
 from beatrix_zenoh.client.lesson_reports import Row
 from beatrix_zenoh.contract._generated.messages import Fault, LimitInfo, Status
+from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.contract.names import TEACHER
 
 FURTHEST_DEG = 1e4
@@ -122,6 +123,19 @@ class FaceProgress:
 
 
 @dataclass(frozen=True)
+class OwnGesture:
+    """A gesture of the user."""
+
+    name: str
+    emoji: str
+    """empty: it has none"""
+    text: str
+    """of its file"""
+    wrong: WrongUsage | None = None
+    """why it cannot be played; None: it can"""
+
+
+@dataclass(frozen=True)
 class World:
     """Everything that a view is made from, at one moment; degrees and seconds unless a name contains another unit."""
 
@@ -163,6 +177,8 @@ class World:
     """title of the current play; empty: none"""
     playing_pose: int = -1
     """number of the pose of the sequence that is being played, from 0; -1: none"""
+    gestures: tuple[OwnGesture, ...] = ()
+    """those of the user, by name"""
     face: FaceProgress = FaceProgress()
     blocks_run: bool = False
     """whether a program of blocks runs"""

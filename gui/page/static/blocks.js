@@ -42,7 +42,7 @@ const unsaved = () => Boolean(workspace) && !open.owner && current() !== saved;
 function define() {
   const number = (name) => ({ type: "input_value", name, check: "Number" });
   const choice = (name, options, key) => ({ type: "field_dropdown", name, options: options.map((one) => [page.text(key(one)), one]) });
-  const gestures = page.view.gestures.gestures.map(([name]) => name);
+  const gestures = () => page.view.gestures.gestures.map(([name, emoji, button]) => [`${emoji} ${button.text}`.trim(), name]);
   const part = (one) => (ARMS.includes(one) ? `arm.${one}` : `label.${one}`);
   const block = (type, args = [], more = {}) => ({
     type, message0: text(type), args0: args, tooltip: text(`${type}_tip`), style: "move_blocks",
@@ -54,7 +54,7 @@ function define() {
     ...["turn", "nod", "tilt"].map((type) => block(type, [number("ANGLE")])),
     block("home"),
     block("arm", [choice("ARM", ARMS, part), number("ANGLE")]),
-    block("gesture", [choice("NAME", gestures, (name) => `gesture.${name}`)]),
+    block("gesture", [{ type: "field_dropdown", name: "NAME", options: gestures() }]),
     block("speed", [number("SPEED")]),
     block("wait", [number("SECONDS")], control),
     block("forever", [{ type: "input_dummy" }, { type: "input_statement", name: "DO" }], { ...control, ...last }),
@@ -63,6 +63,11 @@ function define() {
   ];
   for (const { type } of blocks) delete Blockly.Blocks[type];
   Blockly.defineBlocksWithJsonArray(blocks);
+  const { init } = Blockly.Blocks.gesture;
+  Blockly.Blocks.gesture.init = function initWithNewestGestures() {
+    init.call(this);
+    this.getField("NAME").menuGenerator_ = gestures;
+  };
 }
 
 const shadows = (numbers) => Object.fromEntries(Object.entries(numbers).map(([name, NUM]) => [name, { shadow: { type: "math_number", fields: { NUM } } }]));

@@ -266,7 +266,7 @@ function showHead(head) {
 function showGestures({ gestures, refusal }) {
   const row = byId("gestures");
   if (row.children.length !== gestures.length) row.replaceChildren(...gestures.map(() => make("button")));
-  gestures.forEach(([, button], index) => bind(row.children[index], button));
+  gestures.forEach(([, emoji, button], index) => bind(row.children[index], { ...button, text: `${emoji} ${button.text}`.trim() }));
   showRefusal("refusal-gestures", refusal);
 }
 

@@ -1,118 +1,182 @@
-"""Gestures as buttons with pictures, and the program that follows a face."""
+"""Gestures as buttons with pictures: emotions on a wheel, those of the user, and the program that follows a face."""
 
 from __future__ import annotations
 
-from importlib import resources
+from functools import partial
 
-from PyQt5.QtCore import QByteArray, QRectF, QSize, Qt, pyqtSignal
-from PyQt5.QtGui import QIcon, QPixmap, QResizeEvent
-from PyQt5.QtSvg import QSvgRenderer
-from PyQt5.QtWidgets import QGridLayout, QSizePolicy, QToolButton
+from msgspec import structs
+from PyQt5.QtCore import Qt, pyqtSignal
+from PyQt5.QtGui import QResizeEvent
+from PyQt5.QtWidgets import (
+    QFrame,
+    QGridLayout,
+    QMenu,
+    QScrollArea,
+    QStackedLayout,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
 
-from beatrix_zenoh.client.choreography import GESTURES
-from gui.console.state.intents import Intent, Theme
-from gui.console.state.views import ButtonView, GesturesView
+from beatrix_zenoh.client.choreography import EMOTIONS, GESTURES
+from gui.console.state.intents import SaveGesture, Theme
+from gui.console.state.own_gestures import OpenGesture, RenameGesture
+from gui.console.state.views import ButtonView, GesturesView, OwnGestureView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import ElidedLabel, Panel, set_role, spaced
-from gui.window.widgets.head3d_paint import painted
+from gui.window.widgets.controls import NO_MARGINS, ElidedLabel, Panel, filled, in_row, set_role, spaced
+from gui.window.widgets.emotion_wheel import EmotionWheel
+from gui.window.widgets.gesture_form import GestureForm
+from gui.window.widgets.picture_button import PictureButton
 
-PICTURE_PX = 26
-"""Side of a picture at scale 1."""
-COLUMNS = 5
-AIR_PX = 12
-"""Width beside the name of a button."""
-
-
-class PictureButton(QToolButton):
-    """A button with a picture over its text."""
-
-    intent = pyqtSignal(object)
-
-    def __init__(self, picture: str) -> None:
-        super().__init__()
-        self._picture = picture
-        self._intent: Intent | None = None
-        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
-        self.clicked.connect(lambda: self.intent.emit(self._intent))
-
-    def show_view(self, view: ButtonView) -> None:
-        """Show the view's text, and enable or disable the button."""
-        self._intent = view.intent
-        self.setText(view.text.replace("&", "&&"))
-        self.setToolTip(f"{view.text}: {view.tooltip}")
-        self.setAccessibleName(view.text)
-        self.setEnabled(view.enabled)
-
-    def show_theme(self, theme: Theme) -> None:
-        """Use the colours and sizes of a theme."""
-        colours, ratio = style_of(theme), self.devicePixelRatioF()
-        icon, side = QIcon(), colours.px(PICTURE_PX)
-        for mode, line, mark in (
-            (QIcon.Mode.Normal, colours.text, colours.accent),
-            (QIcon.Mode.Disabled, colours.disabled, colours.disabled),
-        ):
-            icon.addPixmap(drawn(self._picture, side, ratio, (line, colours.field, mark)), mode)
-        self.setIcon(icon)
-        self.setIconSize(QSize(side, side))
-
-
-def drawn(name: str, side: int, ratio: float, colours: tuple[str, str, str]) -> QPixmap:
-    """Return a picture with a side (px) on a screen with this ratio of pixels; colours of line, face and mark."""
-    text = resources.files(__package__).joinpath("pictures", f"{name}.svg").read_text(encoding="utf-8")
-    for variable, colour in zip(("currentColor", "var(--face)", "var(--mark)"), colours, strict=True):
-        text = text.replace(variable, colour)
-    with painted(side, side, ratio) as (image, painter):
-        QSvgRenderer(QByteArray(text.encode())).render(painter, QRectF(0, 0, side, side))
-    return QPixmap.fromImage(image)
+CELL_PX = 76, 48
+"""Least size of a button with its name, at scale 1."""
+SMALL_PX = 40, 34
+"""Least size of a button without its name: arrow and picture fit."""
+AIR_PX, ARROW_PX, BAR_PX = 10, 14, 24
+"""Width beside the name of a button, of the arrow of its menu, and of the scroll bar."""
+WHEEL, WHEEL_MOST = 2.2, 0.42
+"""Width of the wheel, of the panel's height; and its largest width, of that of the panel."""
 
 
 class GesturesPanel(Panel):
-    """A button for each gesture; after them the program that follows a face, and a note about it."""
+    """The wheel of emotions, and a button for each other gesture and for the program that follows a face."""
+
+    shown = pyqtSignal(bool)
+    """this panel, or the sequence, has to be visible"""
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
-        self.buttons = {name: PictureButton(name) for name in GESTURES}
-        self.follow, self.open = PictureButton("follow"), PictureButton("program")
-        self.note = ElidedLabel("dim", 0)
+        self._theme, self._in_class = Theme.DARK, False
+        self._own: tuple[OwnGestureView, ...] = ()
+        self._asked: SaveGesture | RenameGesture = SaveGesture("", "")
+        """what the form is about"""
         self.setAccessibleName(texts("label.gestures"))
-        self._all = (*self.buttons.values(), self.follow, self.open)
-        grid = spaced(QGridLayout(self), 3, (3, 3, 3, 3))
-        self.reports(*(button.intent for button in self._all))
-        for number, button in enumerate(self._all):
-            grid.addWidget(button, *divmod(number, COLUMNS))
-            grid.setRowStretch(number // COLUMNS, 1)
-        grid.addWidget(self.note, grid.rowCount(), 0, 1, COLUMNS)
+        self.wheel = EmotionWheel(texts("gesture.emotions"))
+        others = {name: PictureButton(name) for name in GESTURES if name not in EMOTIONS}
+        self.buttons = others | self.wheel.buttons
+        self.follow, self.open = PictureButton("follow"), PictureButton("program")
+        self.fetch = PictureButton("fetch")
+        self.fetch.hide()
+        self.own: dict[str, PictureButton] = {}
+        """buttons of the user's gestures, by name"""
+        self._cells = [*others.values(), self.follow, self.open, self.fetch]
+        self.note = ElidedLabel("dim", 0)
+        self.form = GestureForm(texts)
+        self._lay_out()
+        self.reports(*(button.intent for button in (*self.wheel.buttons.values(), *self._cells)))
+
+    def _lay_out(self) -> None:
+        self._inner, self._area = QWidget(), QScrollArea()
+        self._grid = spaced(QGridLayout(self._inner), 3, NO_MARGINS)
+        self._area.setWidget(self._inner)
+        self._area.setWidgetResizable(True)
+        self._area.setFrameShape(QFrame.Shape.NoFrame)
+        self._area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        self._area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        main = QWidget()
+        line = in_row(self.wheel, (self._area, 1), gap=4)
+        filled(spaced(QVBoxLayout(main), 2, (3, 3, 3, 3)), (line, 1), self.note)
+        self._stack = QStackedLayout(self)
+        for page in (main, self.form):
+            self._stack.addWidget(page)
+        self.form.closed.connect(lambda: self._stack.setCurrentIndex(0))
+        self.form.given.connect(self._give)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
-        for button in self._all:
+        self._theme = theme
+        self.wheel.show_theme(theme)
+        self.form.show_theme(theme)
+        for button in (*self._cells, *self.own.values()):
             button.show_theme(theme)
-        self._show_names()
+        self._arrange()
 
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
         super().resizeEvent(event)
-        self._show_names()
+        self._arrange()
 
-    def _show_names(self) -> None:
-        """Show the names below the pictures if all of them fit; tooltips contain them, too."""
-        widest = max(self.fontMetrics().horizontalAdvance(button.text()) for button in self._all)
-        styles = Qt.ToolButtonStyle
-        fit = widest + AIR_PX < self.width() / COLUMNS
-        for button in self._all:
+    def _arrange(self) -> None:
+        """Arrange the buttons in as many columns as fit; their names are below the pictures if all of them fit."""
+        least, height = map(style_of(self._theme).px, CELL_PX)
+        wheel = min(round(WHEEL * self.height()), round(WHEEL_MOST * self.width()))
+        self.wheel.setFixedWidth(wheel)
+        room = self.width() - wheel - BAR_PX
+        if room < 3 * least:
+            least, height = map(style_of(self._theme).px, SMALL_PX)
+        columns = max(1, room // least)
+        width = room // columns - AIR_PX
+        metrics, styles = self.fontMetrics(), Qt.ToolButtonStyle
+        fit = max(metrics.horizontalAdvance(button.text()) for button in self._cells) < width
+        fixed = self._cells if self._in_class else self._cells[:-1]
+        cells = [*fixed, *self.own.values()]
+        for number, button in enumerate(cells):
+            self._grid.addWidget(button, *divmod(number, columns))
             button.setToolButtonStyle(styles.ToolButtonTextUnderIcon if fit else styles.ToolButtonIconOnly)
+        for line in range(self._grid.rowCount()):
+            self._grid.setRowMinimumHeight(line, height if line * columns < len(cells) else 0)
+        for name, button in self.own.items():
+            button.setText(metrics.elidedText(name, Qt.TextElideMode.ElideRight, width - ARROW_PX))
 
     def show_view(self, view: GesturesView) -> None:
         """Show the buttons, and what the program does."""
         for name, button_view in view.gestures:
             self.buttons[name].show_view(button_view)
+        if view.own != self._own:
+            self._show_own(view.own)
         self.follow.show_view(view.follow)
         self.open.show_view(view.open)
+        self._in_class = view.fetch is not None
+        self.fetch.setVisible(self._in_class)
+        if view.fetch is not None:
+            self.fetch.show_view(view.fetch)
         set_role(self.follow, "running", "yes" if view.following else "")
         tooltip = (f"{view.follow.text}: {view.follow.tooltip}", view.note, view.details)
         self.follow.setToolTip("\n".join(text for text in tooltip if text))
         self.note.setText(view.note)
-        self._show_names()
+        self._arrange()
         self.note.setVisible(bool(view.note))
         self.note.setToolTip(view.details)
+
+    def _show_own(self, own: tuple[OwnGestureView, ...]) -> None:
+        """Make the buttons of the user's gestures again."""
+        self._own = own
+        for button in self.own.values():
+            self._grid.removeWidget(button)
+            button.deleteLater()
+        self.own = {}
+        for gesture in own:
+            button = self.own[gesture.name] = PictureButton(gesture.name, gesture.emoji)
+            button.show_theme(self._theme)
+            button.show_view(gesture.play)
+            self.reports(button.intent)
+            menu = QMenu(button)
+            for entry in gesture.menu:
+                action = menu.addAction(entry.text)
+                action.setEnabled(entry.enabled)
+                action.setToolTip(entry.tooltip)
+                action.triggered.connect(partial(self._change, gesture, entry))
+            button.setMenu(menu)
+            button.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
+
+    def _change(self, gesture: OwnGestureView, entry: ButtonView) -> None:
+        if isinstance(entry.intent, RenameGesture):
+            self.ask(entry.intent)
+            return
+        self.intent.emit(entry.intent)
+        if isinstance(entry.intent, OpenGesture):
+            self._asked = SaveGesture(gesture.name, gesture.emoji)
+            self.shown.emit(False)  # noqa: FBT003
+
+    def ask(self, intent: SaveGesture | RenameGesture) -> None:
+        """Ask for the name and the emoji of a gesture to save or to rename."""
+        if isinstance(intent, RenameGesture) or not isinstance(self._asked, SaveGesture):
+            self._asked = intent
+        self._stack.setCurrentIndex(1)
+        names = [gesture.name for gesture in self._own] if isinstance(self._asked, SaveGesture) else []
+        self.shown.emit(True)  # noqa: FBT003
+        self.form.ask(self._asked.name, self._asked.emoji, names)
+
+    def _give(self, name: str, emoji: str) -> None:
+        self._asked = structs.replace(self._asked, name=name, emoji=emoji)
+        self.intent.emit(self._asked)

@@ -22,7 +22,7 @@ from PyQt5.QtWidgets import (
 from beatrix_zenoh import files
 from beatrix_zenoh.contract.errors import WrongUsage
 from gui.console.state import intents
-from gui.console.state.actions import LARGEST_BYTES, NEW, Play
+from gui.console.state.actions import LARGEST_BYTES
 from gui.console.state.intents import HeadOrientation, Intent, Theme
 from gui.console.state.saved import DURATION_MAX_S
 from gui.console.state.views import CardView, SequenceView
@@ -32,6 +32,7 @@ from gui.window.widgets.controls import ChoiceCheck, in_row, named, plain_button
 from gui.window.widgets.files import FilePanel
 from gui.window.widgets.head3d_paint import portrait
 from gui.window.widgets.number_box import NumberBox
+from gui.window.widgets.picture_button import PictureButton
 
 NAME_LONGEST = 24
 NAME_PX = 90
@@ -192,6 +193,9 @@ class SequencePanel(FilePanel):
             for name in ("delete", "more")
         )
         self.loop = ChoiceCheck(texts, "loop")
+        self.gesture = PictureButton("happy")
+        self.gesture.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
+        self.gesture.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Ignored)
         self.entries: dict[str, QAction] = {}
         """entries of the menu More"""
         pairs = (
@@ -201,10 +205,11 @@ class SequencePanel(FilePanel):
             (self.play, self.hardware),
         )
         grid = spaced(QGridLayout(), 3)
-        grid.setColumnMinimumWidth(0, NAME_PX)
+        grid.setColumnMinimumWidth(1, NAME_PX)
+        grid.addWidget(self.gesture, 0, 0, 2, 1)
         for line, (left, right) in enumerate(pairs):
-            grid.addWidget(left, line, 0)
-            grid.addWidget(right, line, 1)
+            grid.addWidget(left, line, 1)
+            grid.addWidget(right, line, 2)
         in_row((self.strip, 1), grid, gap=6, margins=(4, 4, 4, 4), inside=self)
         self._connect()
 
@@ -225,7 +230,6 @@ class SequencePanel(FilePanel):
         self._add_file("open", opens, "csv", _opened)
         self._add_file("save_file", saves, "csv", intents.SaveSequence)
         self._add_file("save_program", saves, "py", lambda file: intents.SaveSequence(file, program=True))
-        self._add_file("play_file", opens, "csv", lambda file: Play(NEW, (), file))
         menu = QMenu(self.more)
         menu.addActions(self.entries.values())
         self.more.setMenu(menu)
@@ -250,6 +254,7 @@ class SequencePanel(FilePanel):
         self.add.show_view(view.add)
         self.play.show_view(view.play)
         self.hardware.show_view(view.hardware)
+        self.gesture.show_view(view.gesture)
         self.loop.setEnabled(view.played < 0)
         self.entries["undo"].setEnabled(view.undo.enabled)
         self._show_chosen()
@@ -268,6 +273,7 @@ class SequencePanel(FilePanel):
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
         self.strip.show_theme(theme)
+        self.gesture.show_theme(theme)
 
     def _chosen(self) -> CardView | None:
         number = self.strip.currentRow()

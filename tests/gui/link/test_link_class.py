@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from class_router import ClassRouter, replies
@@ -12,11 +13,11 @@ from gui_views import lesson
 from present import present
 from robots import Stage
 
-from beatrix_zenoh.client import RobotState
+from beatrix_zenoh.client import RobotState, own_gestures
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
-from gui.console.state.actions import Govern, SendStop, WatchClass
+from gui.console.state.actions import FetchGestures, Govern, SendStop, ShareGesture, WatchClass
 from gui.console.state.intents import TogglePage
 from gui.console.state.state import State
 from gui.console.state.world import LinkPhase, World
@@ -147,3 +148,34 @@ def test_only_the_teacher_reads_reports(school: ClassRouter) -> None:
     with Linked(account.connect, "bea1", "ana", account=account) as linked:
         linked.do(WatchClass(on=True))
         assert linked.until(lambda world: world.reports_failed, "refused").reports is None
+
+
+def test_a_gesture_goes_from_a_pupil_to_the_teacher_and_to_all(
+    school: ClassRouter, teacher: Linked, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def sit(seat: str) -> Path:
+        monkeypatch.setenv("HOME", str(tmp_path / seat))
+        return own_gestures.folder()
+
+    text = "# emoji: 😜\nt_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,10,0,0,30\n"
+    sit("ana").mkdir(parents=True)
+    (own_gestures.folder() / "wink.csv").write_text(text, encoding="utf-8")
+    account = school.account("ana")
+    with Linked(account.connect, "bea1", "ana", account=account) as ana:
+        ana.until(lambda world: world.phase is LinkPhase.ONLINE, "a session")
+        ana.do(ShareGesture("wink", 1))
+        assert ana.end_of(1).accepted
+        folder = sit("teacher")
+        teacher.do(FetchGestures(1))
+        assert teacher.end_of(1).accepted
+        assert (folder / "ana-wink.csv").read_text(encoding="utf-8") == text
+        sit("ana")
+        ana.do(FetchGestures(2))
+        assert ana.end_of(2).key == "result.none_shared"
+        sit("teacher")
+        teacher.do(ShareGesture("ana-wink", 2))
+        assert teacher.end_of(2).accepted
+        sit("ana")
+        ana.do(FetchGestures(3))
+        assert ana.end_of(3).accepted
+        ana.until(lambda world: [one.name for one in world.gestures] == ["ana-wink", "wink"], "it is there")

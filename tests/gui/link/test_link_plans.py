@@ -9,6 +9,7 @@ from gui_links import Linked, is_home, look, rests, short
 from present import present
 from robots import Stage
 
+from beatrix_zenoh.client import own_gestures
 from beatrix_zenoh.client.choreography import ArmPose
 from beatrix_zenoh.client.degrees import pose_query
 from beatrix_zenoh.client.twin import Plan
@@ -193,20 +194,26 @@ def test_stop_ends_a_choreography_of_both_robots(linked: Linked) -> None:
     assert short(world, "hw") < 39
 
 
-def test_a_file_is_played_or_refused_with_the_line_of_the_error(linked: Linked, tmp_path: Path) -> None:
-    nod, wrong, path = tmp_path / "nod.csv", tmp_path / "wrong.csv", tmp_path / "path.csv"
-    nod.write_text("t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,0,0,0,30\n0.5,6,0,0,\n", encoding="utf-8")
-    wrong.write_text("t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,0,80,0,30\n", encoding="utf-8")
-    path.write_text("t_s,yaw_deg,pitch_deg,roll_deg\n0,0,0,0\n1,6,0,0\n", encoding="utf-8")
-    linked.do(Play(1, ("sim",), nod))
+def test_a_gesture_of_the_user_is_played_or_refused_with_the_line_of_the_error(
+    linked: Linked, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    own_gestures.folder().mkdir(parents=True)
+    head = "t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n"
+    files = {
+        "nod": head + "0,0,0,0,30\n0.5,6,0,0,\n",
+        "high": head + "0,0,80,0,30\n",
+        "broken": head + "0,x,0,0,9\n",
+    }
+    for name, text in files.items():
+        (own_gestures.folder() / f"{name}.csv").write_text(text, encoding="utf-8")
+    linked.do(Play(1, ("sim",), gesture="nod"))
     assert linked.world.playing == "nod"
     assert linked.end_of(1, "sim").accepted
     assert short(linked.world, "sim") == pytest.approx(6, abs=0.2)
-    linked.do(Play(2, BOTH, wrong))
-    end = linked.end_of(2)
-    assert not end.accepted
-    assert "line 2" in end.message
-    linked.do(Play(3, BOTH, tmp_path / "none.csv"))
-    assert linked.end_of(3).slots == {"file": str(tmp_path / "none.csv")}
-    linked.do(Play(4, BOTH, path))
-    assert linked.end_of(4).key == "cannot.path"
+    for row, name in ((2, "high"), (3, "broken")):
+        linked.do(Play(row, BOTH, gesture=name))
+        end = linked.end_of(row)
+        assert (end.accepted, "line 2" in f"{end.message}{end.slots}") == (False, True)
+    linked.do(Play(4, BOTH, gesture="none"))
+    assert linked.end_of(4).key == "result.no_gesture"

@@ -1,0 +1,148 @@
+"""The user's own gestures: sequences under a name and an emoji, each of them a file."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from msgspec import structs
+
+from beatrix_zenoh.client import own_gestures as files
+from beatrix_zenoh.client.choreography import GESTURES
+from beatrix_zenoh.client.degrees import ArmAngles
+from gui.console.state import sequence
+from gui.console.state import sequence_timing as timing
+from gui.console.state.actions import NEW, Action, FetchGestures, KeepGesture, Play, ShareGesture
+from gui.console.state.intents import Intent, OpenSequence, SaveGesture
+from gui.console.state.memory import Handles, Memory, begin
+from gui.console.state.refusals import wrong_file
+from gui.console.state.saved import SavedPose
+from gui.console.state.views import ButtonView, OwnGestureView, button
+from gui.console.state.world import OwnGesture, World
+from gui.console.texts import Texts
+
+CONTROL: Final = "gestures"
+WRONG: Final = "⚠"
+"""The picture of a gesture whose file cannot be played; a press says why."""
+TAKEN: Final = {"demo", *GESTURES}
+"""Names of shipped choreographies, which `beatrix play` finds first."""
+
+
+class RenameGesture(Intent, frozen=True):
+    """Give a gesture another name and emoji."""
+
+    old: str
+    name: str
+    emoji: str
+
+
+class OpenGesture(Intent, frozen=True):
+    """Replace the sequence by a gesture."""
+
+    name: str
+
+
+class DeleteGesture(Intent, frozen=True):
+    """Move the file of a gesture to the folder of deleted ones."""
+
+    name: str
+
+
+def view(world: World, off: str, texts: Texts) -> tuple[OwnGestureView, ...]:
+    """Return the buttons of all own gestures; `off` is the reason why none can be played, if that is a key."""
+    return tuple(_view(gesture, off, world, texts) for gesture in world.gestures)
+
+
+def fetch(world: World, texts: Texts) -> ButtonView | None:
+    """Return the button that gets the gestures of the class; None: there is no class."""
+    key = "gesture.collect" if world.is_teacher else "gesture.fetch"
+    return None if world.account is None else button(texts, key, FetchGestures())
+
+
+def _view(gesture: OwnGesture, off: str, world: World, texts: Texts) -> OwnGestureView:
+    name, emoji, file = gesture.name, gesture.emoji, f"{gesture.name}.csv"
+    share = () if world.account is None else (button(texts, "gesture.share", ShareGesture(name)),)
+    menu = (
+        *share,
+        button(texts, "gesture.edit", OpenGesture(name)),
+        button(texts, "gesture.rename", RenameGesture(name, name, emoji)),
+        button(texts, "gesture.delete", DeleteGesture(name)),
+    )
+    key, slots = ("gesture.own_tip", {"file": file})
+    if gesture.wrong is not None:
+        emoji, (key, slots) = WRONG, wrong_file(gesture.wrong, file)
+    tooltip = texts(off or key, **slots)
+    play = ButtonView(name, tooltip, Play(NEW, (), gesture=name), enabled=not off)
+    return OwnGestureView(name, emoji, play, menu)
+
+
+def _wrong_name(memory: Memory, world: World, name: str, old: str = "") -> bool:
+    """Return whether the gesture `old` (empty: a new one) cannot get a name; if so, show why."""
+    key, names = "", {gesture.name.casefold() for gesture in world.gestures}
+    if not files.possible(name):
+        key = "cannot.gesture_name"
+    elif name.casefold() in TAKEN:
+        key = "cannot.gesture_taken"
+    elif old and name.casefold() in names - {old.casefold()}:
+        key = "cannot.gesture_exists"
+    elif not old and name.casefold() not in names and len(names) >= files.MOST:
+        key = "cannot.gesture_many"
+    if key:
+        memory.refuse(CONTROL, key, name=name, most=str(files.MOST), shipped=", ".join(sorted(TAKEN)))
+    return bool(key)
+
+
+def _save(memory: Memory, world: World, intent: SaveGesture) -> list[Action]:
+    """Return the action that saves the sequence; a last pose turns the head home, where each gesture ends."""
+    name, limits = intent.name.strip(), timing.limits_of(world)
+    if not memory.poses or _wrong_name(memory, world, name):
+        return memory.refuse(CONTROL, sequence.NONE) if not memory.poses else []
+    poses, last = memory.poses, ArmAngles(*memory.poses[-1].arms)
+    home = SavedPose(memory.choices.texts("gesture.home"), *timing.HOME)
+    if timing.way(last, home) >= timing.SAME_DEG:
+        home_s = timing.comfortable(last, home, memory.choices.speed, limits)
+        poses = (*poses, structs.replace(home, duration_s=home_s))
+    if sequence.refuse_short(memory, timing.HOME, limits, loop=False):
+        return []
+    text = files.with_emoji(sequence.choreography_of(poses, limits), intent.emoji)
+    same = (gesture.name for gesture in world.gestures if gesture.name.casefold() == name.casefold())
+    return begin(memory, world, KeepGesture(NEW, name, text, next(same, "")), CONTROL)
+
+
+def _find(world: World, name: str) -> OwnGesture | None:
+    return next((gesture for gesture in world.gestures if gesture.name == name), None)
+
+
+def _rename(memory: Memory, world: World, intent: RenameGesture) -> list[Action]:
+    gesture, name = _find(world, intent.old), intent.name.strip()
+    if gesture is None or _wrong_name(memory, world, name, intent.old):
+        return []
+    text = files.with_emoji(gesture.text, intent.emoji)
+    return begin(memory, world, KeepGesture(NEW, name, text, gesture.name), CONTROL)
+
+
+def _open(memory: Memory, world: World, intent: OpenGesture) -> list[Action]:
+    gesture = _find(world, intent.name)
+    if gesture is None:
+        return []
+    return sequence.replace_by(
+        memory, world, OpenSequence(files.folder() / f"{gesture.name}.csv", gesture.text)
+    )
+
+
+def _delete(memory: Memory, world: World, intent: DeleteGesture) -> list[Action]:
+    if _find(world, intent.name) is None:
+        return []
+    return begin(memory, world, KeepGesture(NEW, "", "", intent.name), CONTROL)
+
+
+def _request(memory: Memory, world: World, intent: ShareGesture | FetchGestures) -> list[Action]:
+    return begin(memory, world, intent, CONTROL)
+
+
+HANDLES: Handles = {
+    **dict.fromkeys((ShareGesture, FetchGestures), _request),
+    SaveGesture: _save,
+    RenameGesture: _rename,
+    OpenGesture: _open,
+    DeleteGesture: _delete,
+}
