@@ -1,4 +1,4 @@
-"""The shape of the head: skull, jaw, visor, eyes with lids, brows, mouth, ears, and the posts to the neck."""
+"""The shape of the head: skull, visor, eyes with lids, brows, mouth, ears, and the posts to the neck."""
 
 from __future__ import annotations
 
@@ -31,8 +31,7 @@ def add_head(model: Modeller, size: HeadData, mounts: Sequence[Vector], face: Fa
     """Add the head; `mounts` are unit vectors from the neck centre to the hinges of the rods."""
     height, top = size.centre_height, (0.0, 0.0, 0.040)
     visor = (0.054, 0.0, height + SIZES.eye_up)
-    model.ellipsoid("head", (0.0, 0.0, height + 0.016), (0.082, 0.076, 0.078), COLOURS.shell, 0.82)
-    model.ellipsoid("head", (0.014, 0.0, height - 0.038), (0.061, 0.065, 0.048), COLOURS.shell, 0.8)
+    model.ellipsoid("head", (0.0, 0.0, height + 0.003), (0.083, 0.078, 0.091), COLOURS.shell, 0.8)
     model.ellipsoid("head", visor, (0.036, 0.063, 0.033), COLOURS.visor, 0.6)
     model.cylinder("head", (0.0, 0.0, 0.044), (0.0, 0.0, 1.0), (0.030, 0.012), COLOURS.trim)
     for x, y, z in mounts:
@@ -41,7 +40,7 @@ def add_head(model: Modeller, size: HeadData, mounts: Sequence[Vector], face: Fa
         post = [(x * 0.046, y * 0.046, z * 0.046), (x * 0.040, y * 0.040, z * 0.040 + 0.012), top]
         model.tube("head", post, 0.0065, COLOURS.trim)
     smile = [
-        (0.0765 - 6.0 * y * y, y, height - 0.056 + 9.0 * y * y) for y in (k * 0.006 for k in range(-4, 5))
+        (0.0735 - 4.0 * y * y, y, height - 0.056 + 9.0 * y * y) for y in (k * 0.006 for k in range(-4, 5))
     ]
     model.tube("head", smile, 0.0026, COLOURS.visor)
     for side in (1.0, -1.0):
@@ -57,7 +56,7 @@ def _side(model: Modeller, size: HeadData, side: float, face: Face) -> None:
         for y in (0.018 + 0.005 * k for k in range(7))
     ]
     model.tube("head", brow, 0.0032, COLOURS.visor)
-    model.ellipsoid("head", (0.066, side * 0.044, height - 0.030), (0.004, 0.011, 0.008), COLOURS.cheek)
+    model.ellipsoid("head", (0.068, side * 0.046, height - 0.032), (0.004, 0.011, 0.008), COLOURS.cheek)
     ear = (-0.006, side * 0.073, height + 0.012)
     model.cylinder("head", ear, OUT, (0.023, 0.012), COLOURS.trim)
     model.cylinder("head", ear, OUT, (0.016, 0.016), COLOURS.rod)

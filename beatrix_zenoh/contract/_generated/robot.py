@@ -151,7 +151,7 @@ class ColoursData(Struct, frozen=True, forbid_unknown_fields=True):
     roll: tuple[int, int, int] = (0, 160, 200)
     """curves of roll; open"""
     shell: tuple[int, int, int] = (237, 235, 227)
-    """skull and jaw; open"""
+    """skull and lids; open"""
     visor: tuple[int, int, int] = (33, 41, 51)
     """visor, eyebrows and mouth; open"""
     white: tuple[int, int, int] = (252, 252, 250)
