@@ -7,7 +7,6 @@ from typing import Final
 from beatrix_zenoh.contract._generated.messages import CameraStatus
 from beatrix_zenoh.contract.names import EYES, SIDES
 from gui.console.state import pills
-from gui.console.state.actions import Action, WatchCameras, WatchClass, WatchMicrophones
 from gui.console.state.intents import Tab, WindowPage
 from gui.console.state.memory import Memory
 from gui.console.state.saved import Choices
@@ -27,38 +26,31 @@ def wanted(choices: Choices) -> frozenset[tuple[str, str]]:
     return frozenset(SHOWN) if shown else frozenset()
 
 
-def changes(before: Choices, after: Choices) -> list[Action]:
-    """Return the changes of subscriptions that follow from a change of choices."""
-    return [new for old, new in zip(_watched(before), _watched(after), strict=True) if new != old]
-
-
-def _watched(choices: Choices) -> tuple[Action, ...]:
-    shows_class = WatchClass(choices.page is WindowPage.CLASS)
-    return shows_class, WatchCameras(wanted(choices)), WatchMicrophones(microphones(choices))
-
-
 def view(memory: Memory, world: World) -> tuple[EyeView, ...]:
     """Return both eyes of both robots."""
-    texts, places = memory.choices.texts, wanted(memory.choices)
-    return tuple(
-        EyeView(
-            side=side,
-            eye=eye,
-            title=texts(f"eye.title_{eye}", side=texts(f"side.{side}")),
-            watched=(side, eye) in places and online(world, side),
-            text=_reason(memory, world, side, eye),
-        )
-        for side, eye in SHOWN
+    on = bool(wanted(memory.choices))
+    return tuple(eye_view(memory, world, side, eye, on=on) for side, eye in SHOWN)
+
+
+def eye_view(memory: Memory, world: World, side: str, eye: str, *, on: bool) -> EyeView:
+    """Return one eye; `on`: whether its picture is wanted."""
+    texts = memory.choices.texts
+    return EyeView(
+        side=side,
+        eye=eye,
+        title=texts(f"eye.title_{eye}", side=texts(f"side.{side}")),
+        watched=on and online(world, side),
+        text=_reason(memory, world, side, eye, on=on),
     )
 
 
-def _reason(memory: Memory, world: World, side: str, eye: str) -> str:
+def _reason(memory: Memory, world: World, side: str, eye: str, *, on: bool) -> str:
     """Return why there is no picture; empty if there is one."""
     texts, status = memory.choices.texts, world.side(side).status
     found = pills.finding(world, side, texts)
     if found.condition in (Condition.ABSENT, Condition.SILENT):
         return found.reason or found.text
-    if not memory.choices.cameras:
+    if not (on or memory.choices.cameras):
         return texts("eye.cameras_off")
     if status is None:
         return texts("eye.waiting")

@@ -1,4 +1,4 @@
-"""Gestures as buttons with pictures, and the program that follows a face."""
+"""Gestures as buttons with pictures, and the programs that follow a face and turn to a sound."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from PyQt5.QtSvg import QSvgRenderer
 from PyQt5.QtWidgets import QGridLayout, QSizePolicy, QToolButton
 
 from beatrix_zenoh.client.choreography import GESTURES
+from gui.console.state.actions import FOLLOW, TURN
 from gui.console.state.intents import Intent, Theme
 from gui.console.state.views import ButtonView, GesturesView
 from gui.console.texts import Texts
@@ -69,15 +70,15 @@ def drawn(name: str, side: int, ratio: float, colours: tuple[str, str, str]) -> 
 
 
 class GesturesPanel(Panel):
-    """A button for each gesture; after them the program that follows a face, and a note about it."""
+    """A button for each gesture; after them the programs that follow a face and turn to a sound, and a note about them."""
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
         self.buttons = {name: PictureButton(name) for name in GESTURES}
-        self.follow, self.open = PictureButton("follow"), PictureButton("program")
+        self.follow, self.turn, self.open = map(PictureButton, ("follow", "listen", "program"))
         self.note = ElidedLabel("dim", 0)
         self.setAccessibleName(texts("label.gestures"))
-        self._all = (*self.buttons.values(), self.follow, self.open)
+        self._all = (*self.buttons.values(), self.follow, self.turn, self.open)
         grid = spaced(QGridLayout(self), 3, (3, 3, 3, 3))
         self.reports(*(button.intent for button in self._all))
         for number, button in enumerate(self._all):
@@ -107,11 +108,12 @@ class GesturesPanel(Panel):
         """Show the buttons, and what the program does."""
         for name, button_view in view.gestures:
             self.buttons[name].show_view(button_view)
-        self.follow.show_view(view.follow)
         self.open.show_view(view.open)
-        set_role(self.follow, "running", "yes" if view.following else "")
-        tooltip = (f"{view.follow.text}: {view.follow.tooltip}", view.note, view.details)
-        self.follow.setToolTip("\n".join(text for text in tooltip if text))
+        for name, button, shown in ((FOLLOW, self.follow, view.follow), (TURN, self.turn, view.turn)):
+            button.show_view(shown)
+            set_role(button, "running", "yes" if view.running == name else "")
+            tooltip = (f"{shown.text}: {shown.tooltip}", view.note, view.details)
+            button.setToolTip("\n".join(text for text in tooltip if text))
         self.note.setText(view.note)
         self._show_names()
         self.note.setVisible(bool(view.note))

@@ -24,6 +24,7 @@ from gui.window.widgets.controls import (
 from gui.window.widgets.head import TargetWidget
 from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, grabbed
 from gui.window.widgets.head3d_paint import GHOST, Marks, apart, draw_lines, ghost, robot
+from gui.window.widgets.head3d_room import Room
 
 VIEWS: Final = {"front": Viewpoint(0.0), "behind": Viewpoint(180.0), "side": Viewpoint(90.0)}
 HALF_WIDTH: Final = 0.14
@@ -53,8 +54,9 @@ class Head3d(TargetWidget):
             button.setCheckable(True)
             button.clicked.connect(lambda _, name=name: self.look_from(VIEWS[name]))
         self.live, self.send = ChoiceCheck(texts, "live"), ChoiceCheck(texts, "send_on_release")
-        self.reports(self.live.intent, self.send.intent)
-        below = in_row(self.live, self.send, None, *self.views.values())
+        self.room_box, self.room = ChoiceCheck(texts, "room"), Room(texts, self)
+        self.reports(self.live.intent, self.send.intent, self.room_box.intent, self.room.intent)
+        below = in_row(self.live, self.send, self.room_box, None, *self.views.values())
         in_column(self._names, (self._nothing, 1), below, margins=(9, 6, 9, 9), inside=self)
         self.camera = VIEWS["behind"]
         self._drag: Drag | None = None
@@ -73,7 +75,8 @@ class Head3d(TargetWidget):
         """The camera and the size of the picture (px)."""
         plain = Screen(self.camera, self.width(), self.height())
         half = min(HALF_WIDTH * plain.scale, (self.width() - self._covered) / 2)
-        return replace(plain, aside=max(0.0, self._covered + half - self.width() / 2))
+        most = self.width() / 2 - self.room.taken - half
+        return replace(plain, aside=max(self._covered + half - self.width() / 2, min(0.0, most)))
 
     def keep_clear(self, left: int) -> None:
         """Move the head aside if it is where a notice covers the picture, that far from its left edge (px)."""
@@ -86,6 +89,7 @@ class Head3d(TargetWidget):
         self.camera = camera
         for name, button in self.views.items():
             button.setChecked(math.isclose(camera.azimuth, VIEWS[name].azimuth))
+        self.room.map.azimuth = camera.azimuth
         self.update()
 
     @property
