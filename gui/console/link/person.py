@@ -60,6 +60,7 @@ class SimulatedPerson:
     def move(self, goal: MovePerson) -> None:
         """Move the person; of several places only the newest is sent."""
         self._goal, self.moves = goal, self.moves + 1
+        self._place = goal.x, goal.y, goal.z  # shown at once
         if (robot := self._robot) is not None:
             self._jobs.put("person", lambda: self._go(robot))
 
@@ -81,7 +82,8 @@ class SimulatedPerson:
     def _ask(self, robot: Robot) -> None:
         try:
             found = robot.target()
-            self._place = found.x, found.y, found.z
+            if self._goal is None:
+                self._place = found.x, found.y, found.z
             if self._speaks and time.monotonic() > self._said_s + AGAIN_S:
                 robot.place_sound()
                 robot.play_sound("voice", SPEECH_S)

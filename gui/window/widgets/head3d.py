@@ -56,8 +56,9 @@ class Head3d(TargetWidget):
         self.live, self.send = ChoiceCheck(texts, "live"), ChoiceCheck(texts, "send_on_release")
         self.room_box, self.room = ChoiceCheck(texts, "room"), Room(texts, self)
         self.reports(self.live.intent, self.send.intent, self.room_box.intent, self.room.intent)
-        below = in_row(self.live, self.send, self.room_box, None, *self.views.values())
-        in_column(self._names, (self._nothing, 1), below, margins=(9, 6, 9, 9), inside=self)
+        below = in_row(self.live, self.send, None, *self.views.values())
+        above = in_row(self._names, None, self.room_box)
+        in_column(above, (self._nothing, 1), below, margins=(9, 6, 9, 9), inside=self)
         self.camera = VIEWS["behind"]
         self._drag: Drag | None = None
         self._orbit: QPointF | None = None
@@ -75,8 +76,7 @@ class Head3d(TargetWidget):
         """The camera and the size of the picture (px)."""
         plain = Screen(self.camera, self.width(), self.height())
         half = min(HALF_WIDTH * plain.scale, (self.width() - self._covered) / 2)
-        most = self.width() / 2 - self.room.taken - half
-        return replace(plain, aside=max(self._covered + half - self.width() / 2, min(0.0, most)))
+        return replace(plain, aside=max(0.0, self._covered + half - self.width() / 2))
 
     def keep_clear(self, left: int) -> None:
         """Move the head aside if it is where a notice covers the picture, that far from its left edge (px)."""

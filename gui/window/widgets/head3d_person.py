@@ -37,9 +37,11 @@ STEEP: Final = math.radians(48.0)
 """Elevation of the viewer."""
 SEES: Final = math.radians(37.6)
 """Half of the angle that the left eye sees across."""
+AWAY: Final = -0.1
+"""A head with a smaller way towards the viewer is seen from behind."""
 STEP: Final = 0.1
 """Way of the person for an arrow key (m)."""
-SKIN, CAP, SHIRT, DARK = "#f0c39f", "#d31a8c", "#3d6fb4", "#2b2320"
+SKIN, HAIR, CAP, SHIRT, DARK = "#f0c39f", "#5b3a26", "#d31a8c", "#2f7f86", "#2b2320"
 """As in the simulated room."""
 ARROWS: Final = {
     Qt.Key.Key_Left: (-1, 0),
@@ -70,6 +72,11 @@ class Floor:
         across, near = y * cos - x * sin, x * cos + y * sin
         return QPointF(self.width / 2 + across * self.scale, middle + near * math.sin(STEEP) * self.scale)
 
+    def way(self, x: float, y: float) -> QPointF:
+        """Return a direction of the ground: to the right, and towards the viewer; its length is 1."""
+        cos, sin, far = math.cos(self.azimuth), math.sin(self.azimuth), max(math.hypot(x, y), 1e-6)
+        return QPointF(y * cos - x * sin, x * cos + y * sin) / far
+
     def ground(self, at: QPointF) -> tuple[float, float]:
         """Return the point of the ground at a place, as far from the robot as the person may be."""
         cos, sin = math.cos(self.azimuth), math.sin(self.azimuth)
@@ -92,6 +99,7 @@ class PersonMap(QWidget):
         self._yaw: float | None = None
         self._person: Person | None = None
         self._style: Style | None = None
+        self._side = ""
         self._ring = 0
         named(self, texts("room.person"), texts("room.person_tip"))
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -103,9 +111,9 @@ class PersonMap(QWidget):
         """The ground on the present map."""
         return Floor(math.radians(self.azimuth), self.width(), self.height())
 
-    def show_room(self, person: Person | None, yaw: float | None) -> None:
-        """Show the person, and a robot whose head has this yaw (deg); None: there is none."""
-        self._person, self._yaw = person, yaw
+    def show_room(self, person: Person | None, side: str, yaw: float | None) -> None:
+        """Show the person, and the robot of this side, whose head has this yaw (deg); None: unknown."""
+        self._person, self._yaw, self._side = person, yaw, side
         self._ring += person is not None and person.speaks
         self.update()
 
@@ -172,56 +180,39 @@ class PersonMap(QWidget):
         if self._yaw is not None:
             ways = [math.radians(self._yaw) + SEES * k / 6 for k in range(-6, 7)]
             edge = [floor.place(REACH * math.cos(way), REACH * math.sin(way)) for way in ways]
-            fan = QColor(style.accent)
+            fan = QColor(style.side(self._side))
             fan.setAlphaF(0.25)
             painter.setPen(Qt.PenStyle.NoPen)
             painter.setBrush(fan)
             painter.drawPolygon(QPolygonF([middle, *edge]))
 
     def _paint_robot(self, painter: QPainter, style: Style) -> None:
-        """Draw the robot as a small head with ears, whose nose points where it looks."""
+        """Draw the robot as a small head that looks where its head looks."""
         middle, size = self.floor.place(0.0, 0.0), 0.18 * self.floor.scale
-        head = middle - QPointF(0.0, 1.6 * size)
-        draw_lines(painter, style.dim, 2)
+        head, yaw = middle - QPointF(0.0, 1.6 * size), math.radians(self._yaw or 0.0)
+        draw_lines(painter, style.dim, 3)
         painter.drawLine(middle, head)
-        painter.setPen(QColor(style.dim))
-        painter.setBrush(QColor(style.text))
-        painter.drawEllipse(head, size, size * 1.1)
-        if self._yaw is not None:
-            nose = self.floor.place(math.cos(math.radians(self._yaw)), math.sin(math.radians(self._yaw)))
-            way = (nose - middle) / self.floor.scale
-            if way.y() > -0.2:  # it does not look away from the viewer
-                painter.setBrush(QColor(style.accent))
-                painter.drawEllipse(head + way * size * 0.8, size * 0.3, size * 0.3)
+        paint_head(painter, head, size, style.text, style.text)
+        paint_eyes(painter, head, size, self.floor.way(math.cos(yaw), math.sin(yaw)), style.field)
 
     def _paint_person(self, painter: QPainter, style: Style, person: Person) -> None:
         """Draw the person, who faces the robot, with a magenta cap; rings at the mouth while the person speaks."""
         foot, size = self._at(person), 0.21 * self.floor.scale
-        head = foot - QPointF(0.0, 2.5 * size)
+        head, way = foot - QPointF(0.0, 2.5 * size), self.floor.way(-person.x, -person.y)
         painter.setPen(Qt.PenStyle.NoPen)
         painter.setBrush(QColor(SHIRT))
-        painter.drawRoundedRect(
-            QRectF(foot.x() - 1.15 * size, head.y() + size * 0.8, 2.3 * size, 1.8 * size), size, size
-        )
-        painter.setBrush(QColor(SKIN))
-        painter.drawEllipse(head, size, size * 1.1)
-        way = (self.floor.place(0.0, 0.0) - foot) / (self.floor.scale * math.hypot(person.x, person.y))
-        if way.y() > -0.1:  # the face is on the near side
-            side = way.x() * size * 0.6
-            painter.setBrush(QColor(DARK))
-            for eye in (-0.36, 0.36):
-                painter.drawEllipse(head + QPointF(side + eye * size, 0.1 * size), 0.13 * size, 0.17 * size)
+        body = QRectF(foot.x() - 1.15 * size, head.y() + size * 0.8, 2.3 * size, 1.8 * size)
+        painter.drawRoundedRect(body, size, size)
+        paint_head(painter, head, size, SKIN, HAIR if way.y() < AWAY else SKIN)
+        if paint_eyes(painter, head, size, way, DARK):
             draw_lines(painter, DARK, 1.5)
-            painter.drawArc(
-                QRectF(head.x() + side - 0.35 * size, head.y() + 0.2 * size, 0.7 * size, 0.5 * size),
-                -2400,
-                1920,
+            smile = QRectF(
+                head.x() + way.x() * size * 0.6 - 0.35 * size, head.y() + 0.2 * size, 0.7 * size, 0.5 * size
             )
-        cap = QPainterPath(head + QPointF(-1.08 * size, -0.2 * size))
-        cap.arcTo(
-            QRectF(head.x() - 1.08 * size, head.y() - 1.3 * size, 2.16 * size, 2.2 * size), 180.0, -180.0
-        )
-        cap.closeSubpath()
+            painter.drawArc(smile, -150 * 16, 120 * 16)
+        wide = 1.08 * size
+        cap = QPainterPath(head + QPointF(-wide, -0.2 * size))
+        cap.arcTo(QRectF(head.x() - wide, head.y() - 1.3 * size, 2 * wide, 2.2 * size), 180.0, -180.0)
         painter.fillPath(cap, QColor(CAP))
         if person.speaks:
             self._paint_rings(painter, style, head + QPointF(0.0, 0.45 * size), way, size)
@@ -230,7 +221,7 @@ class PersonMap(QWidget):
         self, painter: QPainter, style: Style, mouth: QPointF, way: QPointF, size: float
     ) -> None:
         """Draw arcs that go from the mouth to the robot."""
-        towards = math.degrees(math.atan2(-way.y(), way.x()))
+        towards = math.degrees(math.atan2(-way.y() * math.sin(STEEP), way.x()))
         for number in range(3):
             radius = size * (1.3 + 0.6 * number)
             shade = QColor(style.warn)
@@ -238,3 +229,23 @@ class PersonMap(QWidget):
             draw_lines(painter, shade.name(QColor.NameFormat.HexArgb), 2.5)
             around = QRectF(mouth.x() - radius, mouth.y() - radius, 2 * radius, 2 * radius)
             painter.drawArc(around, round((towards - 35) * 16), 70 * 16)
+
+
+def paint_head(painter: QPainter, head: QPointF, size: float, face: str, hair: str) -> None:
+    """Draw a head whose visible side is the face, or the hair."""
+    painter.setPen(QColor(face))
+    painter.setBrush(QColor(hair))
+    painter.drawEllipse(head, size, size * 1.1)
+
+
+def paint_eyes(painter: QPainter, head: QPointF, size: float, way: QPointF, colour: str) -> bool:
+    """Draw the eyes of a head that looks this way, see `Floor.way`; return False if it looks away from the viewer."""
+    if way.y() < AWAY:
+        return False
+    painter.setPen(Qt.PenStyle.NoPen)
+    painter.setBrush(QColor(colour))
+    for eye in (-0.36, 0.36):
+        painter.drawEllipse(
+            head + QPointF((0.6 * way.x() + eye) * size, 0.1 * size), 0.14 * size, 0.18 * size
+        )
+    return True

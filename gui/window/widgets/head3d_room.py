@@ -16,32 +16,25 @@ from gui.window.widgets.controls import NO_MARGINS, Panel, in_column, in_row
 from gui.window.widgets.eyes import CameraPicture
 from gui.window.widgets.head3d_person import PersonMap
 
-SHARE: Final = 0.30
-"""Largest share of the picture's width."""
-MARGIN_PX: Final = 6
-BELOW_PX: Final = 40
-"""Height of the controls below the picture."""
+SHARE: Final = 0.29
+"""Share of the picture's width that each of both takes."""
+MARGIN_PX, ABOVE_PX, BELOW_PX = 8, 32, 44
+"""Free at the edges of the picture, and above and below for names and controls."""
 
 
 class Room(Panel):
-    """Places itself at the right edge of its parent; hidden without a view."""
+    """The map and the person's button, at the right of its parent, and the eye at the left; hidden without a view."""
 
     def __init__(self, texts: Texts, parent: QWidget) -> None:
         """Create it hidden."""
         super().__init__(parent=parent)
         self._view: RoomView | None = None
         self.map, self.eye, self.speak = PersonMap(texts), CameraPicture(texts), self.button()
+        self.eye.setParent(parent)
         self.reports(self.map.intent)
-        in_column(
-            (self.map, 1), in_row(None, self.speak), (self.eye, 1), gap=2, margins=NO_MARGINS, inside=self
-        )
+        in_column((self.map, 1), in_row(None, self.speak, None), gap=2, margins=NO_MARGINS, inside=self)
         parent.installEventFilter(self)
-        self.hide()
-
-    @property
-    def taken(self) -> int:
-        """Width of the picture that the room covers (px)."""
-        return 0 if self.isHidden() else self.width() + MARGIN_PX
+        self.show_view(None)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours of a theme."""
@@ -51,15 +44,17 @@ class Room(Panel):
         """Show the room, or hide it."""
         self._view = room
         if room is not None:
-            self.map.setVisible(room.person is not None)
-            self.map.show_room(room.person, room.yaw)
-            self.speak.show_view(None if room.person is None else room.speak)
+            self.map.show_room(room.person, room.eye.side, room.yaw)
+            self.speak.show_view(room.speak)
             self.eye.show_view(room.eye)
-        if self.isHidden() == (room is not None):
-            self.setVisible(room is not None)
-            self._place()
-            self.raise_()  # over the texts of the parent, which would get its mouse presses
-            self.parentWidget().update()
+        for part, shown in (
+            (self.eye, room is not None),
+            (self, room is not None and room.person is not None),
+        ):
+            if part.isHidden() == shown:
+                part.setVisible(shown)
+                part.raise_()  # over the texts of the parent, which would get the presses
+                self._place()
 
     def show_image(self, side: str, image: CameraImage) -> None:
         """Show a picture if it is that of the shown eye."""
@@ -73,7 +68,9 @@ class Room(Panel):
         return super().eventFilter(watched, event)
 
     def _place(self) -> None:
+        """Take the upper corners of the parent."""
         size = self.parentWidget().size()
-        height = size.height() - BELOW_PX - 2 * MARGIN_PX
-        width = round(min(size.width() * SHARE, height * 0.6))
-        self.setGeometry(size.width() - width - MARGIN_PX, MARGIN_PX, width, height)
+        room = size.height() - ABOVE_PX - BELOW_PX
+        width = round(min(size.width() * SHARE, room * 1.1))
+        self.eye.setGeometry(MARGIN_PX, ABOVE_PX, width, min(room, round(0.75 * width) + ABOVE_PX))
+        self.setGeometry(size.width() - width - MARGIN_PX, ABOVE_PX, width, min(room, width))
