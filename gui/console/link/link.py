@@ -106,13 +106,12 @@ class Link:
         for look in self._looks:
             look(session, now_s)
         settings, account = connection.settings, connection.settings.account
-        default_seat = self._default_seat if account is None else account.name
         return World(
             now_s=now_s,
             phase=connection.phase,
             endpoint=settings.connect,
             seat=settings.who,
-            who="" if settings.who == default_seat else settings.who,
+            who="" if settings.who == (account.name if account else self._default_seat) else settings.who,
             robot=robot,
             sim=sim,
             hw=hw,
