@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import pytest
 from gui_links import Linked, rests
@@ -13,7 +14,16 @@ from beatrix_zenoh import Robot
 from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason, SoundReply
-from gui.console.state.actions import TURN, FollowFace, LetSpeak, MovePerson, SendStop, WatchPerson
+from gui.console.state.actions import (
+    FOLLOW,
+    TURN,
+    EndFollowing,
+    FollowFace,
+    LetSpeak,
+    MovePerson,
+    SendStop,
+    WatchPerson,
+)
 
 START_S = 60.0
 
@@ -52,6 +62,26 @@ def test_the_head_turns_to_the_voice_of_the_dragged_person_until_stop(stage: Sta
         assert robot.target().y == pytest.approx(at(-30.0).y, abs=1e-3)
         linked.do(WatchPerson(on=False))
         assert linked.world.person is None
+
+
+@pytest.mark.parametrize("drags", [False, True])
+def test_a_person_walks_while_the_head_follows_until_the_user_drags_it(
+    stage: Stage, linked: Linked, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, drags: bool
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    (tmp_path / "beatrix-programs").mkdir()
+    (tmp_path / "beatrix-programs" / FOLLOW).write_text("import time\ntime.sleep(60)", encoding="utf-8")
+    with Robot("bea", side="sim", connect=stage.endpoint, who="ana") as robot:
+        stands = robot.move_target(1.0, 0.1, 0.2)
+        linked.do(FollowFace(1, ("sim",)))
+        until(lambda: robot.target().y != stands.y, "the person walks")
+        if drags:
+            linked.do(at(20.0))
+            until(lambda: robot.target().y == pytest.approx(at(20.0).y), "the person is dragged")
+            stands = robot.target()
+        linked.do(EndFollowing())
+        assert linked.end_of(1).accepted
+        assert robot.target() == stands
 
 
 def test_the_person_speaks_only_while_asked(stage: Stage, linked: Linked) -> None:
