@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import time
-from collections.abc import Iterator
+from collections.abc import Callable
 from typing import Final
 
 from beatrix_zenoh.client.robot import Robot
@@ -17,9 +17,8 @@ from gui.console.state.world import Person
 
 PERIOD_S: Final = 0.1
 """Time between two questions where the person is."""
-SPEECH_S: Final = 5.0
-"""Duration of the voice, which is asked for again and again: it ends even if this program is killed."""
-AGAIN_S: Final = 3.5
+SPEECH_S, AGAIN_S = 5.0, 3.5
+"""Duration of the voice, and when it is asked for again: it ends even if this program is killed."""
 
 
 class SimulatedPerson:
@@ -29,8 +28,6 @@ class SimulatedPerson:
         self._jobs = jobs
         self._robot: Robot | None = None
         self._watched = self._speaks = False
-        self._goal: MovePerson | None = None
-        """where the user has dragged the person, until that is sent"""
         self._due_s = self._said_s = -math.inf
         """when to ask again, infinite while a question is under way; when the voice began (monotonic clock, s)"""
         self._place: tuple[float, float, float] | None = None
@@ -52,54 +49,42 @@ class SimulatedPerson:
         if session is None or (session.twin.name, "sim") not in session.monitor.present():
             self._robot, self._place, self._speaks = None, None, False
             return
-        robot = self._robot = session.twin.sim
+        self._robot = session.twin.sim
         if (self._watched or self._speaks) and now_s >= self._due_s:
             self._due_s = math.inf
-            self._jobs.put("person", lambda: self._ask(robot))
+            self._put(self._ask)
 
     def move(self, goal: MovePerson) -> None:
-        """Move the person; of several places only the newest is sent."""
-        self._goal, self.moves = goal, self.moves + 1
-        self._place = goal.x, goal.y, goal.z  # shown at once
-        if (robot := self._robot) is not None:
-            self._jobs.put("person", lambda: self._go(robot))
+        """Move the person; it is shown there at once."""
+        self.moves += 1
+        self._place = goal.x, goal.y, goal.z
+        self._put(lambda robot: robot.move_target(goal.x, goal.y, goal.z))
 
     def speak(self, *, on: bool) -> None:
         """Let the person speak until it must be silent."""
-        was, self._speaks = self._speaks, on
-        if was and not on and (robot := self._robot) is not None:
-            self._jobs.put("person", lambda: self._be_silent(robot))
+        was, self._speaks, self._said_s = self._speaks, on, -math.inf
+        if was and not on:
+            self._put(lambda robot: robot.play_sound("silence"))
 
-    @contextlib.contextmanager
-    def speaking(self) -> Iterator[None]:
-        """Let the person speak during the block."""
-        self.speak(on=True)
-        try:
-            yield
-        finally:
-            self.speak(on=False)
+    def _put(self, request: Callable[[Robot], object]) -> None:
+        """Queue a request; one that fails changes nothing, and the next answer shows where the person is."""
+        if (robot := self._robot) is not None:
+            self._jobs.put("person", lambda: suppressed(request, robot))
 
     def _ask(self, robot: Robot) -> None:
         try:
-            found = robot.target()
-            if self._goal is None:
+            moves, found = self.moves, robot.target()
+            if moves == self.moves:  # otherwise the answer is older than the present place
                 self._place = found.x, found.y, found.z
             if self._speaks and time.monotonic() > self._said_s + AGAIN_S:
+                self._said_s = time.monotonic()
                 robot.place_sound()
                 robot.play_sound("voice", SPEECH_S)
-                self._said_s = time.monotonic()
-        except BeatrixError:
-            self._place = None
         finally:
             self._due_s = time.monotonic() + PERIOD_S
 
-    def _go(self, robot: Robot) -> None:
-        goal, self._goal = self._goal, None
-        if goal is not None:
-            with contextlib.suppress(BeatrixError):  # the next answer shows where the person is
-                robot.move_target(goal.x, goal.y, goal.z)
 
-    def _be_silent(self, robot: Robot) -> None:
-        self._said_s = -math.inf
-        with contextlib.suppress(BeatrixError):  # the voice ends by itself
-            robot.play_sound("silence")
+def suppressed(request: Callable[[Robot], object], robot: Robot) -> None:
+    """Make a request, even if it fails."""
+    with contextlib.suppress(BeatrixError):
+        request(robot)

@@ -84,7 +84,8 @@ class Following(Program):
             tracebacks.VARIABLE: tracebacks.DATA,
         }
         children = Supervisor(environment)
-        with self._scene():
+        with contextlib.ExitStack() as scene:
+            self._prepare(scene)
             try:
                 self.check()
                 child = children.start("program", "--program", str(face.file), *self.sides)
@@ -101,11 +102,14 @@ class Following(Program):
         self.check()
         return "Ended."
 
-    def _scene(self) -> contextlib.AbstractContextManager[None]:
-        """Let the simulated person do what a simulated robot can see or hear, while the program runs."""
-        if self.sides[0] != "sim":
-            return contextlib.nullcontext()
-        return self._person.speaking() if self._face.name == TURN else walking(self._settings, self._person)
+    def _prepare(self, scene: contextlib.ExitStack) -> None:
+        """Let the simulated person do what a simulated robot can see or hear, until the end of the scene."""
+        person = self._person
+        if self.sides[0] == "sim" and self._face.name == TURN:
+            person.speak(on=True)
+            scene.callback(person.speak, on=False)
+        elif self.sides[0] == "sim":
+            scene.enter_context(walking(self._settings, person))
 
     def _read_end(self, child: Child) -> None:
         """Store the last line of a program that has ended by itself; raise its failure."""

@@ -17,7 +17,6 @@ from gui.console.state import (
     missions,
     pills,
     refusals,
-    room,
     sending,
     sequence,
 )
@@ -55,7 +54,7 @@ class State:
         """Begin with saved choices."""
         self._memory = Memory(Choices(**remembered(saved)), saved.poses)
         self._guide = missions.Guide(saved.guided)
-        self._watched = room.NOTHING
+        self._watched = eyes.NOTHING
         self._handles: Handles = {
             **HANDLES,
             **dict.fromkeys((missions.SkipTask, missions.CloseGuide), self._guide.handle),
@@ -92,7 +91,7 @@ class State:
             sequence=sequence.view(memory, world),
             eyes=eyes.view(memory, world),
             sound=eyes.sound(memory, world),
-            room=room.view(memory, world),
+            room=eyes.room(memory, world),
             history=history.view(memory, world),
             code=history.code(memory, world),
             record=commands.recording_view(memory, world),
@@ -117,7 +116,7 @@ class State:
 
     def _watch(self, world: World) -> list[Action]:
         """Return the changes of subscriptions since the last call."""
-        before, self._watched = self._watched, room.watched(self._memory.choices, world)
+        before, self._watched = self._watched, eyes.watched(self._memory.choices, world)
         return [action for action in self._watched if action not in before]
 
     def outcomes(self, world: World) -> tuple[tuple[HistoryRowView, ...], str]:
