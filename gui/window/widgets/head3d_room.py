@@ -1,4 +1,4 @@
-"""The room beside the head: a map with robot and person, seen from the side of the picture, and what the left eye sees."""
+"""The room beside the head: a map with robot and person, turned like the picture, and what the left eye sees."""
 
 from __future__ import annotations
 
