@@ -86,6 +86,7 @@ class Panels(QWidget):
         self.guide = self._add(Banner(quiet=True), lambda view: view.guide)
         self.head = self._add(HeadPanel(texts), lambda view: view.head)
         self.head3d = self._add(Head3d(texts), lambda view: view.head)
+        self._add(self.head3d.room, lambda view: view.room)
         self.arms = self._add(ArmsPanel(texts), lambda view: view)
         self.sending = self._add(SendingPanel(texts), lambda view: view)
         self.commands = self._add(CommandsPanel(texts), lambda view: view.commands)

@@ -81,7 +81,8 @@ class Window(QMainWindow):
         """Show the present world."""
         self._world = self._link.world()
         self._delayed_refresh.stop()
-        self._state.follow(self._world)
+        for action in self._state.follow(self._world):
+            self._link.do(action)
         self._show(self._state.view(self._world))
         self.panels.plots.append(self._world)  # views do not contain the positions
 
@@ -117,7 +118,8 @@ class Window(QMainWindow):
 
     def show_image(self, side: str, image: CameraImage) -> None:
         """Show a picture of a camera."""
-        self.panels.eyes.show_image(side, image)
+        for panel in (self.panels.eyes, self.panels.head3d.room):
+            panel.show_image(side, image)
 
     def show_error(self, text: str) -> None:
         """Show an error of the window itself in a line over the panels."""

@@ -12,7 +12,7 @@ from pytestqt.qtbot import QtBot
 
 from beatrix_zenoh.client.choreography import GESTURES
 from gui.console.state import gestures
-from gui.console.state.actions import NEW, FollowFace, Play, WriteFile
+from gui.console.state.actions import FOLLOW, NEW, TURN, FollowFace, Play, WriteFile
 from gui.console.state.intents import Intent, Theme
 from gui.console.state.memory import Memory
 from gui.console.state.saved import Choices
@@ -36,7 +36,7 @@ def panel(qtbot: QtBot) -> GesturesPanel:
 
 
 def buttons(panel: GesturesPanel) -> tuple[PictureButton, ...]:
-    return (*panel.buttons.values(), panel.follow, panel.open)
+    return (*panel.buttons.values(), panel.follow, panel.turn, panel.open)
 
 
 def test_each_button_reports_its_intent(panel: GesturesPanel) -> None:
@@ -45,7 +45,8 @@ def test_each_button_reports_its_intent(panel: GesturesPanel) -> None:
     for button in buttons(panel):
         QTest.mouseClick(button, Qt.MouseButton.LeftButton)
     plays = (Play(NEW, (), gesture=name) for name in GESTURES)
-    assert given == [*plays, FollowFace(NEW, ()), WriteFile(NEW, OWN, Path())]
+    programs = (FollowFace(NEW, (), program) for program in (FOLLOW, TURN))
+    assert given == [*plays, *programs, WriteFile(NEW, OWN, Path())]
 
 
 def test_every_gesture_has_a_picture_of_its_own(panel: GesturesPanel) -> None:

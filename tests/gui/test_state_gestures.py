@@ -11,7 +11,7 @@ from present import present
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.choreography import GESTURES
 from beatrix_zenoh.contract._generated.messages import Reason
-from gui.console.state.actions import EndFollowing, FollowFace, Outcome, Play
+from gui.console.state.actions import FOLLOW, EndFollowing, FollowFace, Outcome, Play
 from gui.console.state.intents import Choose, Intent
 from gui.console.state.state import State
 from gui.console.state.world import FaceProgress, World
@@ -49,7 +49,7 @@ def test_a_press_plays_a_gesture_on_the_checked_robots(
 
 def test_without_a_checked_robot_all_buttons_give_the_reason() -> None:
     view = state_after(Choose("sim", value=False)).view(faces()).gestures
-    for button in (*(button for _, button in view.gestures), view.follow):
+    for button in (*(button for _, button in view.gestures), view.follow, view.turn):
         assert not button.enabled
         assert "Check" in button.tooltip
     assert view.open.enabled
@@ -100,8 +100,9 @@ def test_the_panel_says_that_the_program_runs() -> None:
 
 def test_a_second_press_ends_the_program_even_if_no_robot_is_checked() -> None:
     state, now = state_after(Choose("sim", value=False)), faces(running=True)
+    state.follow(now)
     view = state.view(now).gestures
-    assert (view.following, view.follow.enabled) == (True, True)
+    assert (view.running, view.follow.enabled, view.turn.text) == (FOLLOW, True, "Listen")
     assert state.handle(view.follow.intent, now) == [EndFollowing()]
 
 

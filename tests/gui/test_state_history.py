@@ -194,6 +194,15 @@ def test_a_stream_of_motions_is_one_row() -> None:
     assert rows(*stream, *ends, last) == [("ana", "look (20 times)", "done, 1.2 s", True)]
 
 
+def test_a_stream_to_both_robots_is_one_row_even_if_one_of_them_refuses() -> None:
+    sim = [event(10 + 0.2 * number, motion=number) for number in range(1, 21)]
+    fine = [event(10.01 + 0.2 * number, motion=number) for number in range(1, 21)]
+    assert rows(*sim, hw=(*fine,)) == [("ana", "look (20 times)", "under way, takes 1.2 s", None)]
+    off = [event(at.t_wall_ns / 1e9, reason=Reason.NOT_ENABLED, detail=not_enabled().detail) for at in fine]
+    ((_, what, result, good),) = rows(*sim, hw=(*off,))
+    assert (what, result.startswith("refused"), good) == ("look (20 times)", True, False)
+
+
 def test_different_requests_have_rows_of_their_own_newest_first() -> None:
     found = rows(
         event(10, "motion"),

@@ -23,7 +23,6 @@ from gui.console.link.moving import Moving, RobotAction
 from gui.console.link.outcomes import WindowError, failed, stopped, write
 from gui.console.link.own_gestures import OwnGestures
 from gui.console.link.pictures import Camera, CameraStream, LevelStream, OnImage, Watcher, levels
-from gui.console.link.programs import Following
 from gui.console.link.routers import Routers
 from gui.console.link.stopping import send_stop
 from gui.console.state import actions
@@ -75,6 +74,9 @@ class Link:
         self._lessons, self._gestures = LessonReports(jobs), OwnGestures(jobs, report)
         period_s = PROBE_S if shared is None else PROBE_SHARED_S
         self._probes = {side: Probe(side, jobs, period_s) for side in SIDES}
+        probes = (probe.look for probe in self._probes.values())
+        self._looks = (*probes, self._lessons.look, self.moving.person.look)
+        """what asks robots again when it is time"""
         self._children = Children(jobs, self._connection.try_now)
         self._recordings, self._ports = Recordings(jobs), Ports(jobs)
         self._routers = Routers(jobs, self._connection, self.moving.deselect)
@@ -102,16 +104,15 @@ class Link:
         robot = robot or connection.robot
         (sim, hw), session, now_s = connection.states(robot), connection.session, time.monotonic()
         connection.look(now_s)
-        for look in (self._probes["sim"].look, self._probes["hw"].look, self._lessons.look):
+        for look in self._looks:
             look(session, now_s)
         settings, account = connection.settings, connection.settings.account
-        default_seat = self._default_seat if account is None else account.name
         return World(
             now_s=now_s,
             phase=connection.phase,
             endpoint=settings.connect,
             seat=settings.who,
-            who="" if settings.who == default_seat else settings.who,
+            who="" if settings.who == (account.name if account else self._default_seat) else settings.who,
             robot=robot,
             sim=sim,
             hw=hw,
@@ -133,7 +134,7 @@ class Link:
             blocks_run=blocks is not None,
             block="" if blocks is None else blocks.block,
             gestures=self._gestures.newest(now_s),
-            face=moving.face.progress(running=isinstance(program, Following)),
+            face=moving.face.progress(program),
             wall_s=time.time(),
             session="" if session is None else session.client.bus.session_id,
             limits=self._probes["sim"].limits(robot) or self._probes["hw"].limits(robot),
@@ -142,6 +143,7 @@ class Link:
             reports=self._lessons.rows,
             reports_failed=self._lessons.failed,
             levels=levels(self._levels.open),
+            person=moving.person.newest,
         )
 
     def do(self, action: Action) -> None:
@@ -164,6 +166,9 @@ class Link:
             actions.ChooseRobot: lambda action: self._select(action.name),
             actions.WatchCameras: lambda action: self._cameras.watch(action.wanted),
             actions.WatchMicrophones: lambda action: self._levels.watch(action.sides),
+            actions.WatchPerson: lambda action: moving.person.watch(on=action.on),
+            actions.MovePerson: moving.person.move,
+            actions.LetSpeak: lambda action: moving.person.speak(on=action.on),
             actions.WatchClass: lambda action: self._lessons.watch(on=action.on),
             actions.Govern: online(self._govern),
             actions.BeginRecording: lambda _: self._recordings.begin(*connection.where),
@@ -231,8 +236,9 @@ class Link:
         return do
 
     def drop(self) -> None:
-        """Drop waiting requests, and end plans, plays and programs, because STOP was pressed."""
+        """Drop waiting requests, and end plans, plays, programs and the person's voice, because STOP was pressed."""
         self.moving.drop(stopped())
+        self.moving.person.speak(on=False)
 
     # -- the end ------------------------------------------------------------------------------------
 

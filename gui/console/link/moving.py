@@ -22,6 +22,7 @@ from gui.console.link.choreographies import Playing
 from gui.console.link.jobs import Jobs
 from gui.console.link.jogging import Held
 from gui.console.link.outcomes import WindowError, done, failed, replaced
+from gui.console.link.person import SimulatedPerson
 from gui.console.link.programs import FaceProgram, Following
 from gui.console.link.request import OneMotion, Program, Question, Report, RobotRequest, TwinMotionRequest
 from gui.console.state import actions
@@ -48,7 +49,7 @@ class Moving:
     def __init__(self, jobs: Jobs, report: Report) -> None:
         """Store the arguments; `report` is called with the outcomes of requests."""
         self._jobs, self._report = jobs, report
-        self.face = FaceProgram()
+        self.face, self.person = FaceProgram(), SimulatedPerson(jobs)
         self._lock = threading.Lock()
         self._requests: list[RobotRequest] = []
         """those that wait or are under way, the oldest first"""
@@ -94,7 +95,7 @@ class Moving:
             case actions.RunBlocks():
                 self._put(BlockRun(action, twin if len(robots) > 1 else robots[0]))
             case actions.FollowFace():
-                self._put(Following(action, settings, self.face))
+                self._put(Following(action, settings, self.face, self.person))
             case actions.SendCommand(row=row, command=command, value=value):
                 self._ask(row, robots, lambda robot: robot.command(command, value=value).message)
             case actions.AskLease(row=row, action=asked):

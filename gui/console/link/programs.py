@@ -1,4 +1,4 @@
-"""The program that follows a face."""
+"""The programs that follow a face and turn to a sound."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from beatrix_zenoh.contract.errors import BeatrixError, Refused
 from beatrix_zenoh.processes import POLL_S, Child, Supervisor
 from beatrix_zenoh.settings import Settings
 from gui.console.link.outcomes import WindowError, accepted
+from gui.console.link.person import SimulatedPerson
 from gui.console.link.request import BOTH, Program, Report
-from gui.console.state.actions import FollowFace
+from gui.console.state.actions import FOLLOW, TURN, FollowFace
 from gui.console.state.world import FaceProgress
 
-NAME: Final = "follow_the_face.py"
-SHIPPED: Final = Path(str(resources.files("beatrix_zenoh"))) / "examples" / NAME
+SHIPPED: Final = Path(str(resources.files("beatrix_zenoh"))) / "examples"
 END_S = 1.4
 """Time (s) in which the program ends; 0.4 s before, it is killed."""
 
@@ -40,34 +40,41 @@ class Failure(msgspec.Struct, frozen=True):
 
 
 class FaceProgram:
-    """The files of the program, and the last line that it has printed."""
+    """The files of the program that runs or ran last, and the last line that it has printed."""
 
     def __init__(self) -> None:
-        self._own = Path.home() / "beatrix-programs" / NAME
-        self.line = ""
+        self.name, self.line = FOLLOW, ""
+
+    @property
+    def _own(self) -> Path:
+        return Path.home() / "beatrix-programs" / self.name
 
     @property
     def file(self) -> Path:
         """The user's copy if there is one, otherwise the shipped program."""
-        return self._own if self._own.is_file() else SHIPPED
+        return self._own if self._own.is_file() else SHIPPED / self.name
 
-    def progress(self, *, running: bool) -> FaceProgress:
+    def progress(self, program: Program | None) -> FaceProgress:
         """Return whether the program runs, its files, and its last line."""
-        return FaceProgress(running, self.file, self._own, self.line)
+        running = isinstance(program, Following)
+        sides = program.sides if running and program is not None else ()
+        return FaceProgress(running, self.file, self._own, self.line, sides)
 
 
 class Following(Program):
     """One run of the program."""
 
-    def __init__(self, action: FollowFace, settings: Settings, face: FaceProgram) -> None:
+    def __init__(
+        self, action: FollowFace, settings: Settings, face: FaceProgram, person: SimulatedPerson
+    ) -> None:
         """Store the arguments; the program is run for the robot of the settings."""
         super().__init__(action.row, action.sides, BOTH)
-        self._settings, self._face = settings, face
+        self._settings, self._face, self._person = settings, face, person
+        face.name, face.line = action.program, ""
 
     def run(self, report: Report) -> str:
         """Run the program until its end; raises the reason why it must end, or its failure."""
         face, settings = self._face, self._settings
-        face.line = ""
         environment = {
             "BEATRIX_ROBOT": settings.robot,
             "BEATRIX_CONNECT": settings.connect,
@@ -77,7 +84,8 @@ class Following(Program):
             tracebacks.VARIABLE: tracebacks.DATA,
         }
         children = Supervisor(environment)
-        with walking(settings) if self.sides[0] == "sim" else contextlib.nullcontext():
+        with contextlib.ExitStack() as scene:
+            self._prepare(scene)
             try:
                 self.check()
                 child = children.start("program", "--program", str(face.file), *self.sides)
@@ -94,6 +102,15 @@ class Following(Program):
         self.check()
         return "Ended."
 
+    def _prepare(self, scene: contextlib.ExitStack) -> None:
+        """Let the simulated person do what a simulated robot can see or hear, until the end of the scene."""
+        person = self._person
+        if self.sides[0] == "sim" and self._face.name == TURN:
+            person.speak(on=True)
+            scene.callback(person.speak, on=False)
+        elif self.sides[0] == "sim":
+            scene.enter_context(walking(self._settings, person))
+
     def _read_end(self, child: Child) -> None:
         """Store the last line of a program that has ended by itself; raise its failure."""
         lines = [line for line in child.lines() if line.strip()]
@@ -105,8 +122,8 @@ class Following(Program):
 
 
 @contextlib.contextmanager
-def walking(settings: Settings) -> Iterator[None]:
-    """Let the simulated person sway during the block if it stands still, so that the head has something to follow."""
+def walking(settings: Settings, person: SimulatedPerson) -> Iterator[None]:
+    """Let the simulated person sway during the block if it stands still, until the user drags it."""
     with contextlib.ExitStack() as ends:
         with contextlib.suppress(BeatrixError):  # the program follows without it, too
             name, connect, who = settings.robot, settings.connect, settings.who
@@ -115,8 +132,9 @@ def walking(settings: Settings) -> Iterator[None]:
             stood = robot.target()
             time.sleep(STILL_S)
             if robot.target() == stood:
+                moves = person.moves
                 robot.walk_target("sway")
-                ends.callback(put_back, robot, stood)
+                ends.callback(lambda: put_back(robot, stood) if person.moves == moves else None)
         yield
 
 

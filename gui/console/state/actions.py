@@ -160,16 +160,41 @@ class EndBlocks(Action, frozen=True):
     """End the program of blocks."""
 
 
+FOLLOW, TURN = "follow_the_face.py", "turn_to_the_sound.py"
+"""Shipped programs with a button."""
+
+
 class FollowFace(Action, frozen=True):
-    """Start the program that follows a face."""
+    """Start a shipped program, or the user's copy of it, which follows a face or turns to a sound."""
 
     row: int
     sides: tuple[str, ...]
-    """the robots that move; the first one's left eye sees"""
+    """the robots that move; the first one's left eye sees, or its ears hear"""
+    program: str = FOLLOW
 
 
 class EndFollowing(Action, frozen=True):
-    """End the program that follows a face."""
+    """End the program of `FollowFace`."""
+
+
+class MovePerson(Action, frozen=True):
+    """Place the eyes of the simulated person (m from the neck's centre), which ends the person's walk."""
+
+    x: float
+    y: float
+    z: float
+
+
+class LetSpeak(Action, frozen=True):
+    """Let the simulated person speak, or be silent."""
+
+    on: bool
+
+
+class WatchPerson(Action, frozen=True):
+    """Begin or end asking where the simulated person is."""
+
+    on: bool
 
 
 class WriteFile(Action, frozen=True):

@@ -1,4 +1,4 @@
-"""The pictures and the levels of the microphones: subscriptions, titles, and why one is missing."""
+"""Eyes, ears and the room: what the window receives, pictures, levels, and the simulated person."""
 
 from __future__ import annotations
 
@@ -7,12 +7,20 @@ from typing import Final
 from beatrix_zenoh.contract._generated.messages import CameraStatus
 from beatrix_zenoh.contract.names import EYES, SIDES
 from gui.console.state import pills
-from gui.console.state.actions import Action, WatchCameras, WatchClass, WatchMicrophones
+from gui.console.state.actions import (
+    Action,
+    LetSpeak,
+    WatchCameras,
+    WatchClass,
+    WatchMicrophones,
+    WatchPerson,
+)
+from gui.console.state.gestures import EYE, sees
 from gui.console.state.intents import Tab, WindowPage
 from gui.console.state.memory import Memory
 from gui.console.state.saved import Choices
-from gui.console.state.views import Condition, EyeView, LevelView, SoundView
-from gui.console.state.world import World, online
+from gui.console.state.views import Condition, EyeView, LevelView, RoomView, SoundView, button
+from gui.console.state.world import World, kept, online
 from gui.console.texts import DEFAULT_LANGUAGE, Texts
 
 SHOWN: Final = tuple((side, eye) for side in SIDES for eye in EYES)
@@ -27,38 +35,31 @@ def wanted(choices: Choices) -> frozenset[tuple[str, str]]:
     return frozenset(SHOWN) if shown else frozenset()
 
 
-def changes(before: Choices, after: Choices) -> list[Action]:
-    """Return the changes of subscriptions that follow from a change of choices."""
-    return [new for old, new in zip(_watched(before), _watched(after), strict=True) if new != old]
-
-
-def _watched(choices: Choices) -> tuple[Action, ...]:
-    shows_class = WatchClass(choices.page is WindowPage.CLASS)
-    return shows_class, WatchCameras(wanted(choices)), WatchMicrophones(microphones(choices))
-
-
 def view(memory: Memory, world: World) -> tuple[EyeView, ...]:
     """Return both eyes of both robots."""
-    texts, places = memory.choices.texts, wanted(memory.choices)
-    return tuple(
-        EyeView(
-            side=side,
-            eye=eye,
-            title=texts(f"eye.title_{eye}", side=texts(f"side.{side}")),
-            watched=(side, eye) in places and online(world, side),
-            text=_reason(memory, world, side, eye),
-        )
-        for side, eye in SHOWN
+    on = bool(wanted(memory.choices))
+    return tuple(eye_view(memory, world, side, eye, on=on) for side, eye in SHOWN)
+
+
+def eye_view(memory: Memory, world: World, side: str, eye: str, *, on: bool) -> EyeView:
+    """Return one eye; `on`: whether its picture is wanted."""
+    texts = memory.choices.texts
+    return EyeView(
+        side=side,
+        eye=eye,
+        title=texts(f"eye.title_{eye}", side=texts(f"side.{side}")),
+        watched=on and online(world, side),
+        text=_reason(memory, world, side, eye, on=on),
     )
 
 
-def _reason(memory: Memory, world: World, side: str, eye: str) -> str:
+def _reason(memory: Memory, world: World, side: str, eye: str, *, on: bool) -> str:
     """Return why there is no picture; empty if there is one."""
     texts, status = memory.choices.texts, world.side(side).status
     found = pills.finding(world, side, texts)
     if found.condition in (Condition.ABSENT, Condition.SILENT):
         return found.reason or found.text
-    if not memory.choices.cameras:
+    if not (on or memory.choices.cameras):
         return texts("eye.cameras_off")
     if status is None:
         return texts("eye.waiting")
@@ -110,3 +111,51 @@ def _level(memory: Memory, world: World, side: str) -> LevelView:
 def share(level_db: float) -> float:
     """Return the length of a bar, 0 to 1."""
     return min(1.0, max(0.0, 1.0 - level_db / QUIETEST_DB))
+
+
+# -- the room beside the head --------------------------------------------------------------------------
+
+NOTHING: Final[tuple[Action, ...]] = (
+    WatchClass(on=False),
+    WatchCameras(frozenset()),
+    WatchMicrophones(frozenset()),
+    WatchPerson(on=False),
+)
+"""What the window receives at the start."""
+
+
+def shows_room(choices: Choices, world: World) -> bool:
+    """Return whether the room is visible: beside the head, if its box is checked or a program runs."""
+    heads = choices.page is WindowPage.ROBOT and choices.tab is Tab.HEADS
+    return heads and (choices.room or world.face.running)
+
+
+def watched(choices: Choices, world: World) -> tuple[Action, ...]:
+    """Return what the window receives: exactly what it shows."""
+    visible = shows_room(choices, world)
+    pictures = wanted(choices) | ({(_side(world), EYE)} if visible else set())
+    return (
+        WatchClass(choices.page is WindowPage.CLASS),
+        WatchCameras(frozenset(pictures)),
+        WatchMicrophones(microphones(choices)),
+        WatchPerson(visible and online(world, "sim")),
+    )
+
+
+def room(memory: Memory, world: World) -> RoomView | None:
+    """Return person and eye; None: they are hidden."""
+    if not shows_room(memory.choices, world):
+        return None
+    person, texts = world.person, memory.choices.texts
+    speaks = person is not None and person.speaks
+    speak = button(texts, "room.silence" if speaks else "room.speak", LetSpeak(not speaks))
+    side = _side(world)
+    found = kept(world, side)
+    yaw = None if found is None else float(round(found.head.yaw))
+    return RoomView(person, yaw, speak, eye_view(memory, world, side, EYE, on=True))
+
+
+def _side(world: World) -> str:
+    """Return the robot whose eye is shown: that of the program, otherwise one that sees."""
+    found = (side for side in SIDES if sees(world.side(side)))
+    return world.face.sides[0] if world.face.sides else next(found, SIDES[0])

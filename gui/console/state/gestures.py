@@ -1,4 +1,4 @@
-"""Gestures that one press plays, and the program that follows a face."""
+"""Gestures that one press plays, and the programs that follow a face and turn to a sound."""
 
 from __future__ import annotations
 
@@ -7,7 +7,17 @@ from msgspec import structs
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.choreography import GESTURES
 from gui.console.state import own_gestures, refusals
-from gui.console.state.actions import NEW, POSES, Action, EndFollowing, FollowFace, Play, WriteFile
+from gui.console.state.actions import (
+    FOLLOW,
+    NEW,
+    POSES,
+    TURN,
+    Action,
+    EndFollowing,
+    FollowFace,
+    Play,
+    WriteFile,
+)
 from gui.console.state.memory import Handles, Memory, begin, lead_of, unreachable
 from gui.console.state.views import ButtonView, GesturesView, button
 from gui.console.state.world import World
@@ -16,27 +26,31 @@ from gui.console.texts import Texts
 CONTROL = "gestures"
 EYE = "left"
 """The eye with which the shipped program sees."""
-TEST_PICTURE = "pattern"
-"""The source of an eye of a virtual board, which never sees a person."""
+TESTS = ("pattern", "tone")
+"""Sources of eyes and ears that never see or hear a person."""
 
 
 def view(memory: Memory, world: World) -> GesturesView:
     """Return the buttons, and the refusal of one of them."""
     texts, face = memory.choices.texts, world.face
     off = "" if memory.choices.sides else "off.unchecked"
-    follow = button(texts, "gesture.follow", FollowFace(NEW, ()), off)
-    if face.running:  # it can always be ended
-        follow = button(texts, "gesture.end", EndFollowing())
-    if face.running:
-        note = texts("gesture.following_own" if face.own else "gesture.following", file=str(face.file))
-    else:
-        note = texts("gesture.own", file=str(face.file)) if face.own else ""
+    running = face.file.name if face.running else ""
+    follow, turn = (
+        button(texts, "gesture.end", EndFollowing())  # it can always be ended
+        if program == running
+        else button(texts, key, FollowFace(NEW, (), program), off)
+        for program, key in ((FOLLOW, "gesture.follow"), (TURN, "gesture.turn"))
+    )
+    note = (
+        texts("gesture.following_own" if running else "gesture.own", file=str(face.file)) if face.own else ""
+    )
     return GesturesView(
         gestures=tuple((name, _gesture(name, off, texts)) for name in GESTURES),
         own=own_gestures.view(world, off, texts),
         fetch=own_gestures.fetch(world, texts),
         follow=follow,
-        following=face.running,
+        turn=turn,
+        running=running,
         open=button(texts, "gesture.open", WriteFile(NEW, face.own_file, face.file), file=str(face.own_file)),
         note=note,
         details=texts("gesture.line", line=face.line) if face.line else "",
@@ -62,22 +76,29 @@ def play(memory: Memory, world: World, intent: Play) -> list[Action]:
     return begin(memory, world, request, CONTROL)
 
 
-def follow_face(memory: Memory, world: World, _intent: FollowFace) -> list[Action]:
-    """Return the action that starts the program; the hardware's eye sees if both robots move and both can see."""
+def follow_face(memory: Memory, world: World, intent: FollowFace) -> list[Action]:
+    """Return the action that starts the program; of two robots the hardware sees or hears, if it can."""
     sides = memory.choices.sides
     if unreachable(memory, world, sides, CONTROL):
         return []
-    seeing = [side for side in ("hw", "sim") if side in sides and sees(world.side(side))]
-    if not seeing:
-        return memory.refuse(CONTROL, "cannot.no_eye" if len(sides) == 1 else "cannot.no_eyes")
-    others = tuple(side for side in sides if side != seeing[0])
-    return begin(memory, world, FollowFace(NEW, (seeing[0], *others)), CONTROL)
+    can, lacks = (hears, "ear") if intent.program == TURN else (sees, "eye")
+    able = [side for side in ("hw", "sim") if side in sides and can(world.side(side))]
+    if not able:
+        return memory.refuse(CONTROL, f"cannot.no_{lacks}" if len(sides) == 1 else f"cannot.no_{lacks}s")
+    others = tuple(side for side in sides if side != able[0])
+    return begin(memory, world, structs.replace(intent, sides=(able[0], *others)), CONTROL)
 
 
 def sees(robot: RobotState) -> bool:
     """Return whether the left eye of a robot has a camera that works, and shows more than the test picture."""
     cameras = () if robot.status is None else robot.status.cameras
-    return any(camera.eye == EYE and camera.connected and camera.source != TEST_PICTURE for camera in cameras)
+    return any(camera.eye == EYE and camera.connected and camera.source not in TESTS for camera in cameras)
+
+
+def hears(robot: RobotState) -> bool:
+    """Return whether a robot has microphones that work, and hear more than the test tone."""
+    ears = None if robot.status is None else robot.status.microphones
+    return ears is not None and ears.connected and ears.source not in TESTS
 
 
 HANDLES: Handles = {Play: play, FollowFace: follow_face}

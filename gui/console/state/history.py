@@ -207,8 +207,8 @@ def what(row: RequestRow, texts: Texts) -> str:
             key = f"what.{verb}_all" if everywhere else f"what.{verb}"
         case actions.AskLease(action=action):
             key = other_seats.WHATS[action.value]
-        case actions.FollowFace():
-            key = "what.follow_face"
+        case actions.FollowFace(program=program):
+            key = "what.turn_to_sound" if program == actions.TURN else "what.follow_face"
         case actions.RunBlocks():
             key = "what.blocks"
         case actions.WriteFile(file=file):

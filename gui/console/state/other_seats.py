@@ -19,6 +19,7 @@ WHATS: Final = {
     **{word: f"what.{word}" for word in LEASES},
 }
 """Text key of each action in events."""
+FINE: Final = {Reason.OK, Reason.REPLACED}
 STREAM_S: Final = 3.0
 """Requests of one seat for the same action, each within this time after the previous one, form one row."""
 
@@ -36,6 +37,8 @@ class Group:
     """time of the newest request (wall clock, s)"""
     count: int
     """number of requests to the first robot"""
+    reasons: dict[str, Reason]
+    """of the newest event of each robot"""
 
     @property
     def began_s(self) -> float:
@@ -58,20 +61,23 @@ class Group:
         """The motion as it was requested, unless several were."""
         return (self.began.motion_query or self.began.pose_query) if self.count == 1 else None
 
-    def takes(self, event: Event) -> bool:
+    def takes(self, event: Event, side: str) -> bool:
         """Return whether an event of the same seat and action belongs to this row."""
         late_s = event.t_wall_ns / 1e9 - self.requested_s
-        alike = self.newest.reason in (event.reason, Reason.REPLACED)
+        alike = self.reasons.get(side, event.reason) in (event.reason, Reason.REPLACED)
         return event.phase is Phase.DONE or (alike and late_s <= STREAM_S)
 
     def add(self, event: Event, side: str) -> None:
         """Add an event; the end of a motion that a newer one of the same row has replaced changes nothing."""
+        self.reasons[side] = event.reason
         if event.phase is not Phase.DONE:
             self.requested_s = event.t_wall_ns / 1e9
             self.count += event.count * (side == self.side)
         elif self.newest.reason is not Reason.OK or (self.count > 1 and event.reason is Reason.REPLACED):
             return
-        self.newest = event
+        others = {reason for other, reason in self.reasons.items() if other != side}
+        if event.reason not in FINE or others <= FINE:
+            self.newest = event
 
 
 def groups(world: World) -> tuple[Group, ...]:
@@ -80,10 +86,10 @@ def groups(world: World) -> tuple[Group, ...]:
     last: dict[tuple[str, str], Group] = {}
     for event, side in sorted(_foreign(world), key=lambda entry: entry[0].t_wall_ns):
         group = last.get((event.seat, event.action))
-        if group is not None and group.takes(event):
+        if group is not None and group.takes(event, side):
             group.add(event, side)
         else:
-            group = Group(event, side, event, event.t_wall_ns / 1e9, event.count)
+            group = Group(event, side, event, event.t_wall_ns / 1e9, event.count, {side: event.reason})
             last[event.seat, event.action] = group
             found.append(group)
     return tuple(found)

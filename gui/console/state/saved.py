@@ -115,6 +115,8 @@ class Choices(Remembered, frozen=True):
     sim: bool = True
     hw: bool = False
     """whether the box of the simulation, or of the hardware, is checked"""
+    room: bool = False
+    """whether the simulated person and the left eye's picture are shown beside the head, also while no program runs"""
     cameras: bool = False
     microphones: bool = False
     """never saved: each window begins without listening"""

@@ -59,6 +59,7 @@ class State:
         """Begin with saved choices."""
         self._memory = Memory(Choices(**remembered(saved)), saved.poses)
         self._guide = missions.Guide(saved.guided)
+        self._watched = eyes.NOTHING
         self._handles: Handles = {
             **HANDLES,
             **dict.fromkeys((missions.SkipTask, missions.CloseGuide), self._guide.handle),
@@ -95,6 +96,7 @@ class State:
             sequence=sequence.view(memory, world),
             eyes=eyes.view(memory, world),
             sound=eyes.sound(memory, world),
+            room=eyes.room(memory, world),
             history=history.view(memory, world),
             code=history.code(memory, world),
             record=commands.recording_view(memory, world),
@@ -107,11 +109,20 @@ class State:
             connect=connecting.view(memory, world),
         )
 
-    def follow(self, world: World) -> None:
-        """Show leases gained or lost since the last call, hide a refusal without a cause, and complete the row of a hold."""
+    def follow(self, world: World) -> list[Action]:
+        """Show leases gained or lost since the last call, hide a refusal without a cause, and complete the row of a hold.
+
+        Return the changes of what the window receives.
+        """
         for topic in (leases, refusals, arms, connecting):
             topic.follow(self._memory, world)
         self._guide.follow(self._memory, world)
+        return self._watch(world)
+
+    def _watch(self, world: World) -> list[Action]:
+        """Return the changes of subscriptions since the last call."""
+        before, self._watched = self._watched, eyes.watched(self._memory.choices, world)
+        return [action for action in self._watched if action not in before]
 
     def outcomes(self, world: World) -> tuple[tuple[HistoryRowView, ...], str]:
         """Return history and last line, the part of the view that an outcome changes."""
@@ -125,9 +136,9 @@ class State:
         memory = self._memory
         if memory.choices.page is WindowPage.CLASS and isinstance(intent, intents.SendHead | intents.Undo):
             return []  # ignore their keys here, because their controls are on the other page
-        before, handle = memory.choices, self._handles.get(type(intent), pass_on)
+        handle = self._handles.get(type(intent), pass_on)
         actions = handle(memory, world, intent)  # type: ignore[arg-type]  # it is of that class
-        return [*eyes.changes(before, memory.choices), *actions]
+        return [*self._watch(world), *actions]
 
     def leave(self) -> None:
         """Forget leases, unfinished requests and a held button, because the session of this seat was closed."""

@@ -9,6 +9,7 @@ from beatrix_zenoh.client import Place
 from gui.console.state.intents import HeadOrientation, Intent
 from gui.console.state.lessons import LessonsView
 from gui.console.state.saved import Choices
+from gui.console.state.world import Person
 from gui.console.texts import Texts
 
 
@@ -228,7 +229,7 @@ class OwnGestureView:
 
 @dataclass(frozen=True)
 class GesturesView:
-    """Gestures, and the program that follows a face."""
+    """Gestures, and the programs that follow a face and turn to a sound."""
 
     gestures: tuple[tuple[str, ButtonView], ...]
     """name and button of each shipped gesture"""
@@ -236,7 +237,9 @@ class GesturesView:
     fetch: ButtonView | None
     """None: there is no class"""
     follow: ButtonView
-    following: bool
+    turn: ButtonView
+    running: str
+    """the program that runs, FOLLOW or TURN; empty: none"""
     open: ButtonView
     note: str
     """what runs, or where the program of the user is; empty: nothing to say"""
@@ -305,6 +308,19 @@ class EyeView:
     """whether the window subscribes to the picture"""
     text: str
     """the reason why there is no picture; empty: there is one"""
+
+
+@dataclass(frozen=True)
+class RoomView:
+    """The room beside the head: the simulated person, and what the left eye sees."""
+
+    person: Person | None
+    """None: there is no simulation, or it has not answered yet"""
+    yaw: float | None
+    """of the head that sees or hears (deg); None: unknown"""
+    speak: ButtonView
+    """lets the person speak, or be silent"""
+    eye: EyeView
 
 
 @dataclass(frozen=True)
@@ -461,6 +477,8 @@ class View:
     stop: ButtonView
     emergency: ButtonView
     choices: Choices
+    room: RoomView | None
+    """None: hidden"""
     class_page: ClassView | None
     """None: this window is not the teacher's"""
     connect: ConnectView | None = None

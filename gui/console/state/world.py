@@ -105,8 +105,18 @@ class RecordingProgress:
 
 
 @dataclass(frozen=True)
+class Person:
+    """The simulated person: the middle between the eyes (m from the neck's centre)."""
+
+    x: float
+    y: float
+    z: float
+    speaks: bool = False
+
+
+@dataclass(frozen=True)
 class FaceProgress:
-    """The program that follows a face."""
+    """The program that follows a face, or turns to a sound: the one that runs, or ran last."""
 
     running: bool = False
     file: Path = Path()
@@ -115,6 +125,8 @@ class FaceProgress:
     """where the program of the user is, or would be"""
     line: str = ""
     """last line of its output, for details; empty: none yet"""
+    sides: tuple[str, ...] = ()
+    """the robots that it moves, while it runs; it sees and hears with the first one"""
 
     @property
     def own(self) -> bool:
@@ -202,6 +214,8 @@ class World:
     """whether the last read of the reports failed, so that they may be old"""
     levels: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     """by side, while the window listens: loudness of the left and the right ear (dB), -120 is silence"""
+    person: Person | None = None
+    """None: not asked for, or there is no simulation"""
 
     @property
     def is_teacher(self) -> bool:

@@ -1,4 +1,4 @@
-"""Gestures as buttons with pictures: emotions on a wheel, those of the user, and the program that follows a face."""
+"""Gestures as buttons with pictures: emotions on a wheel, those of the user, and programs that turn to a person."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from PyQt5.QtWidgets import (
 )
 
 from beatrix_zenoh.client.choreography import EMOTIONS, GESTURES
+from gui.console.state.actions import FOLLOW, TURN
 from gui.console.state.intents import SaveGesture, Theme
 from gui.console.state.own_gestures import OpenGesture, RenameGesture
 from gui.console.state.views import ButtonView, GesturesView, OwnGestureView
@@ -55,12 +56,12 @@ class GesturesPanel(Panel):
         self.wheel = EmotionWheel(texts("gesture.emotions"))
         others = {name: PictureButton(name) for name in GESTURES if name not in EMOTIONS}
         self.buttons = others | self.wheel.buttons
-        self.follow, self.open = PictureButton("follow"), PictureButton("program")
+        self.follow, self.turn, self.open = map(PictureButton, ("follow", "listen", "program"))
         self.fetch = PictureButton("fetch")
         self.fetch.hide()
         self.own: dict[str, PictureButton] = {}
         """buttons of the user's gestures, by name"""
-        self._cells = [*others.values(), self.follow, self.open, self.fetch]
+        self._cells = [*others.values(), self.follow, self.turn, self.open, self.fetch]
         self.note = ElidedLabel("dim", 0)
         self.form = GestureForm(texts)
         self._lay_out()
@@ -124,15 +125,16 @@ class GesturesPanel(Panel):
             self.buttons[name].show_view(button_view)
         if view.own != self._own:
             self._show_own(view.own)
-        self.follow.show_view(view.follow)
         self.open.show_view(view.open)
         self._in_class = view.fetch is not None
         self.fetch.setVisible(self._in_class)
         if view.fetch is not None:
             self.fetch.show_view(view.fetch)
-        set_role(self.follow, "running", "yes" if view.following else "")
-        tooltip = (f"{view.follow.text}: {view.follow.tooltip}", view.note, view.details)
-        self.follow.setToolTip("\n".join(text for text in tooltip if text))
+        for name, button, shown in ((FOLLOW, self.follow, view.follow), (TURN, self.turn, view.turn)):
+            button.show_view(shown)
+            set_role(button, "running", "yes" if view.running == name else "")
+            tooltip = (f"{shown.text}: {shown.tooltip}", view.note, view.details)
+            button.setToolTip("\n".join(text for text in tooltip if text))
         self.note.setText(view.note)
         self._arrange()
         self.note.setVisible(bool(view.note))

@@ -26,6 +26,7 @@ from gui.window.widgets.head import TargetWidget
 from gui.window.widgets.head3d_drag import BEYOND, Drag, Part, grabbed, on_screen
 from gui.window.widgets.head3d_face import STEP_MS, Lids
 from gui.window.widgets.head3d_paint import GHOST, Marks, apart, draw_lines, ghost, robot
+from gui.window.widgets.head3d_room import Room
 
 VIEWS: Final = {
     name: Viewpoint(azimuth, zoom=1.16, height=0.066)  # nearer than the whole robot: the head is the star
@@ -59,9 +60,13 @@ class Head3d(TargetWidget):
         self.live, self.send = ChoiceCheck(texts, "live"), ChoiceCheck(texts, "send_on_release")
         self.code = ChoiceButton(texts, "drawer")
         self.code.hide()
-        self.reports(self.live.intent, self.send.intent, self.code.intent)
+        self.room_box, self.room = ChoiceCheck(texts, "room"), Room(texts, self)
+        self.reports(
+            self.live.intent, self.send.intent, self.code.intent, self.room_box.intent, self.room.intent
+        )
         below = in_row(self.live, self.send, self.code, None, *self.views.values())
-        in_column(self._names, (self._nothing, 1), below, margins=(9, 6, 9, 9), inside=self)
+        above = in_row(self._names, None, self.room_box)
+        in_column(above, (self._nothing, 1), below, margins=(9, 6, 9, 9), inside=self)
         self.camera = VIEWS["front"]
         self._drag: Drag | None = None
         self._orbit: QPointF | None = None
@@ -92,6 +97,7 @@ class Head3d(TargetWidget):
         self.camera = camera
         for name, button in self.views.items():
             button.setChecked(math.isclose(camera.azimuth, VIEWS[name].azimuth))
+        self.room.map.azimuth = camera.azimuth
         self.update()
 
     @property

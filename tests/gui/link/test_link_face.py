@@ -12,9 +12,10 @@ from present import present
 from robots import END_S, Stage
 
 from beatrix_zenoh.contract._generated.messages import Reason
-from gui.console.link.programs import SHIPPED
-from gui.console.state.actions import EndFollowing, FollowFace, Play, Send, SendStop, WriteFile
+from gui.console.link.programs import SHIPPED as EXAMPLES
+from gui.console.state.actions import FOLLOW, EndFollowing, FollowFace, Play, Send, SendStop, WriteFile
 
+SHIPPED = EXAMPLES / FOLLOW
 START_S = 60.0
 TURNS = """
 import math, time
