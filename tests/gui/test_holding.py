@@ -105,7 +105,7 @@ def test_keys_turn_the_head_together_until_the_last_one_is_released(
     pad.setFocus()
     QTest.keyPress(pad, Qt.Key.Key_A)
     QTest.keyPress(pad, Qt.Key.Key_W)
-    qtbot.waitUntil(lambda: state.intents.count(Steer(1.0, -1.0, 0.0)) > 1, timeout=5000)
+    qtbot.waitUntil(lambda: state.intents.count(Steer(-1.0, -1.0, 0.0)) > 1, timeout=5000)
     QTest.keyRelease(pad, Qt.Key.Key_A)
     assert Steer(0.0, -1.0, 0.0) == state.intents[-1]
     QApplication.sendEvent(pad, QEvent(QEvent.Type.WindowDeactivate))
