@@ -27,6 +27,7 @@ from gui.window.widgets.notices import Banner, ConnectSheet, RefusalNotice, Trou
 from gui.window.widgets.plots import PlotsPanel
 from gui.window.widgets.sending import CommandsPanel, SendingPanel, StopBar
 from gui.window.widgets.sequence import SequencePanel
+from gui.window.widgets.showing import ShowButtons
 
 P = TypeVar("P", bound=Panel)
 LOW_PX = 680
@@ -80,6 +81,8 @@ class Panels(QWidget):
         self.guide = self._add(Banner(quiet=True), lambda view: view.guide)
         self.head = self._add(HeadPanel(texts), lambda view: view.head)
         self.head3d = self._add(Head3d(texts), lambda view: view.head)
+        self.show_buttons = self._add(ShowButtons(), lambda view: view.show)
+        self.head3d.top.addWidget(self.show_buttons)
         self.arms = self._add(ArmsPanel(texts), lambda view: view)
         self.sending = self._add(SendingPanel(texts), lambda view: view)
         self.commands = self._add(CommandsPanel(texts), lambda view: view.commands)

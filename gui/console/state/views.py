@@ -319,6 +319,15 @@ class RecordView:
 
 
 @dataclass(frozen=True)
+class ShowView:
+    """The buttons that show the head to others."""
+
+    photo: ButtonView
+    film: RecordView
+    """opens photos, too"""
+
+
+@dataclass(frozen=True)
 class ClassRowView:
     """One robot of the class."""
 
@@ -432,6 +441,7 @@ class View:
     code: str
     """the program so far, as the text of a file"""
     record: RecordView
+    show: ShowView
     last: str
     """the last request with its outcome"""
     last_detail: str

@@ -104,6 +104,19 @@ class RecordingProgress:
 
 
 @dataclass(frozen=True)
+class PictureProgress:
+    """A film under way, and the newest photo or film."""
+
+    seconds: float | None = None
+    """duration of the film that runs; None: none runs"""
+    writing: bool = False
+    """whether a photo or film is being drawn"""
+    file: Path | None = None
+    trouble: Trouble | None = None
+    """why the last one was not written"""
+
+
+@dataclass(frozen=True)
 class FaceProgress:
     """The program that follows a face."""
 
@@ -164,6 +177,7 @@ class World:
     playing_pose: int = -1
     """number of the pose of the sequence that is being played, from 0; -1: none"""
     face: FaceProgress = FaceProgress()
+    picture: PictureProgress = PictureProgress()
     blocks_run: bool = False
     """whether a program of blocks runs"""
     block: str = ""
@@ -257,4 +271,6 @@ def news(world: World) -> dict[str, Trouble | Path]:
         found["child.trouble"] = failed
     if recording is not None and not recording.running:
         found["record.saved"] = recording.file
+    if (picture := world.picture.trouble or world.picture.file) is not None:
+        found["picture.trouble" if world.picture.trouble else "picture.saved"] = picture
     return found

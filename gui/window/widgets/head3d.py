@@ -55,7 +55,8 @@ class Head3d(TargetWidget):
         self.live, self.send = ChoiceCheck(texts, "live"), ChoiceCheck(texts, "send_on_release")
         self.reports(self.live.intent, self.send.intent)
         below = in_row(self.live, self.send, None, *self.views.values())
-        in_column(self._names, (self._nothing, 1), below, margins=(9, 6, 9, 9), inside=self)
+        self.top = in_row((self._names, 1))
+        in_column(self.top, (self._nothing, 1), below, margins=(9, 6, 9, 9), inside=self)
         self.camera = VIEWS["behind"]
         self._drag: Drag | None = None
         self._orbit: QPointF | None = None
