@@ -4,6 +4,7 @@ import { connect, isOpen, send, sinceRequest, sinceSent, trouble } from "./conne
 import { connectEyes, showEyes } from "./eyes.js";
 import { changed, connectHead, receivePose, seenFromFront } from "./head.js";
 import { LESSONS, asLesson, connectLessons } from "./lessons.js";
+import { connectShow, drawn } from "./show.js";
 import { connectTabs } from "./tabs.js";
 
 const BEAT_MS = 100; // period of the heartbeats of a page whose robots move, or may move after a message
@@ -508,6 +509,7 @@ setInterval(showTrouble, 500);
 connectBlocks({ text, bind, view, asLesson });
 connectLessons({ text, make, view });
 connectTabs();
+connectShow({ text, view, token });
 connectEyes(isOpen, () => showEyes(view));
-connectHead({ view, target, aim, grab, release: releaseHead, turned: showAround });
+connectHead({ view, target, aim, grab, release: releaseHead, turned: showAround, drawn });
 connect(receive, receivePose, () => { releaseButton(); disconnected(); showTrouble(); });
