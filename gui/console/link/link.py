@@ -101,12 +101,11 @@ class Link:
         latency_s = {} if robot else {side: probe.round_trip_s for side, probe in self._probes.items()}
         robot = robot or connection.robot
         sim, hw = connection.states(robot)
-        session, now_s = connection.session, time.monotonic()
+        session, settings, now_s = connection.session, connection.settings, time.monotonic()
         connection.look(now_s)
         for look in (self._probes["sim"].look, self._probes["hw"].look, self._lessons.look):
             look(session, now_s)
-        settings, account = connection.settings, connection.settings.account
-        default_seat = self._default_seat if account is None else account.name
+        default_seat = self._default_seat if settings.account is None else settings.account.name
         return World(
             now_s=now_s,
             phase=connection.phase,
@@ -127,7 +126,7 @@ class Link:
             own_hardware=self._children.runs(HARDWARE),
             ports=self._ports.newest,
             child_trouble=self._children.trouble,
-            account=account,
+            account=settings.account,
             choosing=self._routers.busy,
             router_trouble=self._routers.trouble,
             playing="" if play is None else play.title,

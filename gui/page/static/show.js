@@ -24,13 +24,13 @@ function penOf([width, height]) {
   return Object.assign(document.createElement("canvas"), { width, height }).getContext("2d");
 }
 
-// Copies the robots as they have just been drawn, as large as there is room, with the caption below.
+// Copies the robots as they have just been drawn, with the caption below.
 function copy(pen) {
   const { width, height } = pen.canvas, room = height * 12 / 13, edge = (height - room) / 2;
-  const scale = Math.max(width / bodies.width, room / bodies.height), wide = bodies.width * scale, high = bodies.height * scale;
+  const wide = bodies.width * room / bodies.height;
   const fill = (role, ...place) => { pen.fillStyle = colours.getPropertyValue(`--${role}`); pen.fillRect(...place); };
   fill("raised", 0, 0, width, height);
-  pen.drawImage(bodies, (width - wide) / 2, (room - high) / 2, wide, high);
+  pen.drawImage(bodies, (width - wide) / 2, 0, wide, room);
   fill("panel", 0, room, width, height - room);
   Object.assign(pen, { fillStyle: colours.getPropertyValue("--text"), font: `${edge}px system-ui, sans-serif`, textBaseline: "middle" });
   for (const [align, x, words] of [["left", edge, name()], ["right", width - edge, today()]]) {
