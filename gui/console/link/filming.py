@@ -44,6 +44,7 @@ class Filming:
         """when the film began (monotonic clock, s); infinite: none runs"""
         self._end, self._writing = threading.Event(), False
         self._process: subprocess.Popen[bytes] | None = None
+        self._viewers: list[subprocess.Popen[bytes]] = []
         self._file: Path | None = None
         self._trouble: Trouble | None = None
 
@@ -107,8 +108,11 @@ class Filming:
             self._trouble = Trouble("trouble.picture", detail=str(error))
 
     def open(self, file: Path) -> None:
-        """Open a picture with the user's program for it."""
-        subprocess.Popen([OPENERS.get(sys.platform, "xdg-open"), str(file)])
+        """Open a picture with the user's program for it, which stays open after the window."""
+        try:
+            self._viewers.append(subprocess.Popen([OPENERS.get(sys.platform, "xdg-open"), str(file)]))
+        except OSError as error:
+            self._trouble = Trouble("trouble.opener", detail=str(error))
 
     def close(self) -> None:
         """End the film, and drop what is not written."""
