@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -140,6 +141,7 @@ def test_a_pupil_photographs_films_and_shows_the_head(
     port: int, router: ClassRouter, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("BEATRIX_ACCOUNT", str(router.path("teacher")))
+    shutil.rmtree(router.folder / "gallery", ignore_errors=True)  # what other tests have shown
     simulation = Process(*CLI, "sim", "--seats", str(router.class_file), "--ready")
     simulation.expect("ready")
     with Browser(tmp_path / "profile") as browser:

@@ -6,7 +6,7 @@ const byId = (id) => document.getElementById(id);
 const token = document.querySelector("meta[name=token]").content;
 const items = new Map(); // by path
 let texts = {}; // what holds the texts of the page
-let teacher = false, looking = false;
+let teacher = false, looking = false, timer = 0;
 
 // A film is fetched as a whole: Safari plays no film of a server that sends it in one piece only.
 async function itemOf(path, name) {
@@ -43,7 +43,8 @@ function deleting(path) {
 
 async function look() {
   const reply = await fetch("/gallery").catch(() => null);
-  if (!reply?.ok || looking) return; // there is no class, or no server at the moment
+  if (reply?.status === 403) clearInterval(timer); // there is no class
+  if (!reply?.ok || looking) return;
   looking = true;
   const found = await reply.json(), shown = found.shown.slice(0, SHOWN).map(([seat, file, name]) => [`/gallery/${seat}/${file}`, name]);
   teacher = found.teacher;
@@ -70,6 +71,6 @@ export function connectGallery(view) {
     byId("gallery").hidden = !byId("gallery").hidden;
     showGallery();
   };
-  setInterval(look, LOOK_MS);
+  timer = setInterval(look, LOOK_MS);
   look();
 }
