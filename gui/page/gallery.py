@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import time
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Final
 
 from tornado import web
 
@@ -19,13 +19,6 @@ BYTES_MAX: Final = 5_000_000
 SHOWN_MAX: Final = 12
 """Largest number of pictures of a seat: the oldest one goes."""
 KINDS: Final = {".png": "image/png", ".mp4": "video/mp4", ".webm": "video/webm"}
-
-
-class Shown(NamedTuple):
-    """A photo or film that a seat has shown."""
-
-    seat: str
-    file: str
 
 
 def ending_of(content: bytes) -> str:
@@ -46,12 +39,10 @@ class Gallery:
         self.sending: set[str] = set()
         """the seats whose pictures are arriving: one at a time, as they arrive in memory"""
 
-    def listed(self) -> list[Shown]:
-        """Return all pictures, the newest first."""
+    def listed(self) -> list[tuple[str, str]]:
+        """Return seats and files of all pictures, the newest first."""
         found = [path for path in self.folder.glob("*/*") if path.suffix in KINDS and path.stem.isdecimal()]
-        return [
-            Shown(path.parent.name, path.name) for path in sorted(found, key=lambda path: path.name)[::-1]
-        ]
+        return [(path.parent.name, path.name) for path in sorted(found, key=lambda path: path.name)[::-1]]
 
     def keep(self, seat: str, content: bytes, ending: str) -> None:
         """Write a picture of a seat, and delete its oldest ones; raises OSError."""
@@ -59,8 +50,8 @@ class Gallery:
         folder.mkdir(parents=True, exist_ok=True)
         with files.replace_when_complete(folder / f"{time.time_ns() // 1_000_000}{ending}") as unfinished:
             unfinished.write_bytes(content)
-        for shown in [one for one in self.listed() if one.seat == seat][SHOWN_MAX:]:
-            (folder / shown.file).unlink(missing_ok=True)
+        for file in [file for owner, file in self.listed() if owner == seat][SHOWN_MAX:]:
+            (folder / file).unlink(missing_ok=True)
 
     def path(self, seat: str, file: str) -> Path | None:
         """Return the path of a picture; None if there is none of this name, so that no name leads to another folder."""
@@ -71,8 +62,8 @@ class OfClass(Guarded):
     """A handler for browsers with a seat of a class."""
 
     def initialize(self, gallery: Gallery) -> None:
-        """Take the pictures of all seats."""
-        self.gallery = gallery
+        """Take the pictures of all seats; nothing has arrived of a new one."""
+        self.gallery, self._content, self._sends = gallery, bytearray(), False
 
     def prepare(self) -> None:
         """Refuse other browsers."""
@@ -89,7 +80,6 @@ class GalleryList(OfClass):
     def prepare(self) -> None:
         """Refuse a second picture of a seat before the first one has arrived; Tornado refuses a larger one."""
         super().prepare()
-        self._content, self._sends = bytearray(), False
         if self._finished or self.request.method != "POST":
             return
         if self.seat in self.gallery.sending:
@@ -105,21 +95,17 @@ class GalleryList(OfClass):
 
     def get(self) -> None:
         """Send the list: seat, file and name of the pupil of each picture, and whether this browser may delete them."""
-        shown = [[*one, self.context.login.shown(one.seat)] for one in self.gallery.listed()]
+        shown = [(seat, file, self.context.login.shown(seat)) for seat, file in self.gallery.listed()]
         self.write({"shown": shown, "teacher": self.seat == TEACHER})
 
     def post(self) -> None:
         """Keep a picture of this seat; reply with the key of a sentence."""
-        content = bytes(self._content)
-        ending = ending_of(content)
-        if not ending:
-            self.reject(415, "page.show_failed")
-            return
-        try:
-            self.gallery.keep(self.seat, content, ending)
-            self.finish("page.shown")
-        except OSError:
-            self.reject(507, "page.show_disk")
+        content, key = bytes(self._content), "page.show_failed"
+        with contextlib.suppress(OSError):  # the disk is full
+            if ending := ending_of(content):
+                self.gallery.keep(self.seat, content, ending)
+                key = "page.shown"
+        self.finish(key)
 
     def on_finish(self) -> None:
         """Let the next picture come."""

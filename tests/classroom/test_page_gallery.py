@@ -14,7 +14,7 @@ import pytest
 from browser import Browser
 from class_router import CLI, ClassRouter
 from PIL import Image
-from robots import Process, Stage
+from robots import Process
 from web_client import WebClient, serving
 
 from beatrix_zenoh import class_words as words
@@ -62,11 +62,7 @@ def test_the_class_sees_what_a_seat_has_shown_and_only_the_teacher_deletes_it(
     ana, ben, teacher = browsers["ana"], browsers["ben"], browsers["teacher"]
     for content in (PNG, MP4, WEBM):
         assert ana.fetch("/gallery", content).body == b"page.shown"
-    assert [(seat, Path(file).suffix) for seat, file, _ in shown(ben)] == [
-        ("ana", ".webm"),
-        ("ana", ".mp4"),
-        ("ana", ".png"),
-    ]
+    assert [Path(file).suffix for _, file, name in shown(ben) if name == "ana"] == [".webm", ".mp4", ".png"]
     seat, file, _ = shown(ben)[-1]
     path = f"/gallery/{seat}/{file}"
     seen = ben.fetch(path)
@@ -80,27 +76,20 @@ def test_the_class_sees_what_a_seat_has_shown_and_only_the_teacher_deletes_it(
 
 
 @pytest.mark.parametrize(
-    ("body", "headers", "code"),
+    ("body", "headers"),
     [
-        (b"<html><script>", {}, 415),
-        (b"", {}, 415),
-        (PNG, {"Origin": "http://evil.example"}, 403),
-        (PNG, {"X-XSRFToken": ""}, 403),
-        (PNG, {"Cookie": ""}, 403),
+        (b"<html><script>", {}),
+        (b"", {}),
+        (PNG + bytes(BYTES_MAX), {}),
+        *((PNG, {name: value}) for name, value in {"Origin": "http://evil", "X-XSRFToken": "", "Cookie": ""}.items()),
     ],
-)
+)  # fmt: skip
 def test_other_content_and_other_pages_are_refused(
-    browsers: dict[str, WebClient], body: bytes, headers: dict[str, str], code: int
+    browsers: dict[str, WebClient], body: bytes, headers: dict[str, str]
 ) -> None:
     before = shown(browsers["ben"])
-    assert browsers["ben"].fetch("/gallery", body, **headers).code == code
-    assert shown(browsers["ben"]) == before
-
-
-def test_a_picture_that_is_too_large_is_not_kept(browsers: dict[str, WebClient]) -> None:
-    before = shown(browsers["ben"])
     with contextlib.suppress(OSError):  # the server closes the connection
-        assert browsers["ben"].fetch("/gallery", PNG + bytes(BYTES_MAX)).code != 200
+        assert browsers["ben"].fetch("/gallery", body, **headers).body != b"page.shown"
     assert shown(browsers["ben"]) == before
 
 
@@ -119,12 +108,6 @@ def test_guests_see_nothing_and_no_name_leads_to_another_file(
         "ana/..%2f..%2fclass.toml",
     ):
         assert browsers["ana"].fetch("/gallery/" + path).code == 404, path
-
-
-def test_a_browser_without_a_class_has_no_gallery(router: ClassRouter) -> None:
-    with Stage() as stage, serving(stage.endpoint) as port, WebClient(port) as guest:
-        guest.load()
-        assert guest.fetch("/gallery").code == guest.fetch("/gallery", PNG).code == 403
 
 
 def test_a_folder_keeps_the_newest_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

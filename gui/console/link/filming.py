@@ -7,6 +7,7 @@ import subprocess
 import sys
 import threading
 import time
+import webbrowser
 from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
@@ -31,7 +32,6 @@ WRITE_S: Final = 300.0
 """Time limit of the process that draws: 60 s of both robots take it 80 s."""
 LAST: Final = 400
 """Length of the end of an error message (bytes)."""
-OPENERS: Final = {"darwin": "open", "win32": "explorer"}
 Pose = tuple[float, ...]
 
 
@@ -44,7 +44,6 @@ class Filming:
         """when the film began (monotonic clock, s); infinite: none runs"""
         self._end, self._writing = threading.Event(), False
         self._process: subprocess.Popen[bytes] | None = None
-        self._viewers: list[subprocess.Popen[bytes]] = []
         self._file: Path | None = None
         self._trouble: Trouble | None = None
 
@@ -108,11 +107,12 @@ class Filming:
             self._trouble = Trouble("trouble.picture", detail=str(error))
 
     def open(self, file: Path) -> None:
-        """Open a picture with the user's program for it, which stays open after the window."""
-        try:
-            self._viewers.append(subprocess.Popen([OPENERS.get(sys.platform, "xdg-open"), str(file)]))
-        except OSError as error:
-            self._trouble = Trouble("trouble.opener", detail=str(error))
+        """Open a picture in the user's browser or viewer, which stays open after the window."""
+
+        def show() -> None:
+            webbrowser.open(file.as_uri())
+
+        self._jobs.put("viewer", show)
 
     def close(self) -> None:
         """End the film, and drop what is not written."""

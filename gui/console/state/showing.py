@@ -14,7 +14,7 @@ def view(memory: Memory, world: World) -> ShowView:
     known = [side for side in ("sim", "hw") if reading(world, side) is not None]
     sides = tuple(side for side in known if side in memory.choices.sides) or tuple(known)
     titles = tuple(texts(f"side.{side}") for side in sides) if len(sides) > 1 else ("",)
-    caption = texts("picture.caption", seat=world.shown(world.seat), robot=world.robot)
+    caption = f"{world.shown(world.seat)} · {world.robot}"
     photo, film = (TakePicture(film, sides, titles, caption) for film in (False, True))
     off = "picture.writing_tip" if picture.writing else "" if sides else "off.no_position"
     if picture.seconds is not None:

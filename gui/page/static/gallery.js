@@ -1,6 +1,5 @@
 // The gallery of the class on the page for a projector: photos and films that pupils have shown, the newest first.
 const LOOK_MS = 5000;
-const CONFIRM_MS = 5000;
 const SHOWN = 24; // as many as a tablet can hold
 const byId = (id) => document.getElementById(id);
 const token = document.querySelector("meta[name=token]").content;
@@ -24,24 +23,20 @@ async function itemOf(path, name) {
   return item;
 }
 
-// A second press must confirm.
 function deleting(path) {
   const button = document.createElement("button");
   button.textContent = "✕";
   button.ariaLabel = button.title = texts.texts["page.show_delete"];
   button.onclick = async () => {
-    if (button.classList.toggle("armed")) {
-      button.textContent = texts.texts["page.show_delete"];
-      setTimeout(() => { button.classList.remove("armed"); button.textContent = "✕"; }, CONFIRM_MS);
-      return;
-    }
+    if (!window.confirm(button.title)) return; // this page has no STOP that a dialog could hide
     await fetch(path, { method: "DELETE", headers: { "X-XSRFToken": token } });
     look();
   };
   return button;
 }
 
-async function look() {
+export async function look() {
+  if (!texts.texts["page.show"]) return; // the page is still opening
   const reply = await fetch("/gallery").catch(() => null);
   if (reply?.status === 403) clearInterval(timer); // there is no class
   if (!reply?.ok || looking) return;
@@ -57,7 +52,7 @@ async function look() {
   showGallery();
 }
 
-export function showGallery() {
+function showGallery() {
   const open = !byId("gallery").hidden && items.size > 0;
   byId("gallery").hidden = !open;
   byId("turns").hidden = open;
@@ -72,5 +67,4 @@ export function connectGallery(view) {
     showGallery();
   };
   timer = setInterval(look, LOOK_MS);
-  look();
 }

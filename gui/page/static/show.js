@@ -100,7 +100,7 @@ async function showClass() {
   const reply = shot.file.size <= BYTES_MAX && await fetch("/gallery", request).catch(() => null);
   const key = reply ? await reply.text() : reply === false ? "page.show_large" : "";
   byId("shot-note").textContent = page.text(key) || page.text("page.show_failed");
-  byId("shot-show").hidden = Boolean(reply?.ok);
+  byId("shot-show").hidden = key === "page.shown";
   byId("shot-show").disabled = false;
 }
 
