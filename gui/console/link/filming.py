@@ -42,14 +42,15 @@ class Filming:
         self._jobs, self._session = jobs, session
         self._began_s = math.inf
         """when the film began (monotonic clock, s); infinite: none runs"""
-        self._end, self._writing = threading.Event(), False
+        self._end, self._writing, self._closed = threading.Event(), False, False
         self._process: subprocess.Popen[bytes] | None = None
         self._file: Path | None = None
         self._trouble: Trouble | None = None
 
     def progress(self) -> PictureProgress:
         """Return whether a film runs or is being written, and the newest file."""
-        seconds = None if math.isinf(self._began_s) else time.monotonic() - self._began_s
+        began_s = self._began_s  # read once: another thread ends the film
+        seconds = None if math.isinf(began_s) else time.monotonic() - began_s
         return PictureProgress(seconds, self._writing, self._file, self._trouble)
 
     def take(self, action: TakePicture) -> None:
@@ -81,30 +82,29 @@ class Filming:
             self._end.wait(max(0.0, due_s - time.monotonic()) if action.film else 0.0)
         self._writing, self._began_s = True, math.inf
         try:
-            self._write(action, robot, moments)
+            if not self._closed:
+                self._write(action, robot, moments)
+        except OSError as error:  # no process can be started
+            self._trouble = Trouble("trouble.picture", detail=str(error))
         finally:
             self._writing = False
 
     def _write(self, action: TakePicture, robot: str, moments: list[tuple[Pose, ...]]) -> None:
         now = datetime.now().astimezone()
         name = folder("pictures") / f"{robot}-{now:%Y-%m-%d-%H%M%S}"
-        shot = {
-            "caption": action.caption,
-            "date": f"{now:%Y-%m-%d}",
-            "titles": action.titles,
-            "poses": moments,
-        }
+        texts = {"caption": action.caption, "date": f"{now:%Y-%m-%d}", "titles": action.titles}
+        shot = {**texts, "poses": moments}
         command, pipe = [sys.executable, "-P", "-m", "gui.console.shots", str(name)], subprocess.PIPE
-        try:
-            with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe) as process:
-                self._process = process
-                output, errors = process.communicate(msgspec.json.encode(shot), timeout=WRITE_S)
-            if process.returncode:
-                self._trouble = Trouble("trouble.picture", detail=errors.decode(errors="replace")[-LAST:])
-            else:
-                self._file = Path(output.decode().strip())
-        except (OSError, subprocess.TimeoutExpired) as error:
-            self._trouble = Trouble("trouble.picture", detail=str(error))
+        with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe) as process:
+            self._process = process
+            late = threading.Timer(WRITE_S, process.terminate)
+            late.start()
+            output, errors = process.communicate(msgspec.json.encode(shot))
+            late.cancel()
+        if process.returncode:
+            self._trouble = Trouble("trouble.picture", detail=errors.decode(errors="replace")[-LAST:])
+        else:
+            self._file = Path(output.decode().strip())
 
     def open(self, file: Path) -> None:
         """Open a picture in the user's browser or viewer, which stays open after the window."""
@@ -116,6 +116,7 @@ class Filming:
 
     def close(self) -> None:
         """End the film, and drop what is not written."""
+        self._closed = True
         self._end.set()
         if self._process is not None:
             self._process.terminate()

@@ -12,12 +12,13 @@ async function itemOf(path, name) {
   const item = document.createElement("li"), film = !path.endsWith(".png"), below = document.createElement("p");
   const picture = document.createElement(film ? "video" : "img");
   below.textContent = film ? `▶ ${name}` : name;
-  Object.assign(picture, { loop: true, muted: true, playsInline: true, alt: name });
+  Object.assign(picture, { loop: true, muted: true, playsInline: true, alt: name, tabIndex: 0 });
   item.append(picture, below);
   picture.onclick = () => {
     const large = item.classList.toggle("large");
     if (film) picture[large ? "play" : "pause"]();
   };
+  picture.onkeydown = ({ key }) => { if (key === "Enter") picture.click(); };
   if (teacher) below.append(deleting(path));
   picture.src = film ? URL.createObjectURL(await (await fetch(path)).blob()) : path;
   return item;

@@ -18,6 +18,7 @@ from gui.console.link.connection import Session
 from gui.console.link.filming import FILM_S, LONGEST_S, PERIOD_S, Filming, ended
 from gui.console.link.jobs import Jobs
 from gui.console.state.actions import TakePicture
+from gui.console.state.world import PictureProgress
 
 PHOTO, FILM = (TakePicture(film, ("sim",), ("",), "ben · bea1") for film in (False, True))
 
@@ -71,3 +72,11 @@ def test_a_film_ends_when_the_robots_rest_and_after_a_minute(seconds: float, mov
         ((float(moves and moment % 7),),) for moment in range(round(seconds / PERIOD_S))
     ]
     assert ended(moments) is ends
+
+
+def test_a_closed_window_ends_its_film_and_leaves_no_process(filming: Filming, tmp_path: Path) -> None:
+    filming.take(FILM)
+    until(lambda: (filming.progress().seconds or 0.0) > 0.1, "the film runs")
+    filming.close()
+    until(lambda: filming.progress() == PictureProgress(), "nothing runs")
+    assert not [*tmp_path.iterdir()]
