@@ -45,7 +45,7 @@ QUIET_S: Final = 0.5
 """Longest time between two views, even if nothing has changed: the page notices that its server is lost."""
 OFFERED: Final = get_args(OWN) + get_args(DRIVING)
 ENCODER: Final = msgspec.json.Encoder(enc_hook=str)  # `str`, because some buttons of the console name a file
-TEXT_KEYS: Final = ("page.", "label.", "arm.", "gesture.", "blocks.")
+TEXT_KEYS: Final = ("page.", "picture.", "label.", "arm.", "gesture.", "blocks.")
 """Beginnings of the keys of the texts that the scripts of the page use."""
 
 

@@ -70,7 +70,7 @@ def headers(host: str, styles: str) -> dict[str, str]:
     """
     own_sockets = f"ws://{host}"  # named, because older Safari does not count web sockets as 'self'
     policy = (
-        f"default-src 'none'; script-src 'self'; style-src {styles}; img-src 'self' blob:; connect-src 'self' {own_sockets}; "
+        f"default-src 'none'; script-src 'self'; style-src {styles}; img-src 'self' blob:; media-src blob:; connect-src 'self' {own_sockets}; "
         "form-action 'self'; base-uri 'none'; frame-ancestors 'none'"
     )
     return {

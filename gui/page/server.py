@@ -17,6 +17,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import Shutdown
+from gui.page.gallery import Gallery, GalleryList, GalleryPicture
 from gui.page.handlers import Context, Front, Live, Nothing, Pictures, Projector, StaticFiles, Stopper
 from gui.page.hub import Hub
 from gui.page.mesh import HeadMesh
@@ -149,6 +150,7 @@ def bind(port: int, address: str) -> socket.socket:
 
 def application(context: Context) -> web.Application:
     """Return the Tornado application with all routes of the server."""
+    pictures = {"gallery": Gallery(context.login.folder / "gallery")}
     return web.Application(
         [
             ("/", Front),
@@ -159,6 +161,8 @@ def application(context: Context) -> web.Application:
             (context.static.root + r"/([a-z0-9_./-]+)", StaticFiles),
             (r"/static/(vendor/[a-z0-9_./-]+)", StaticFiles),  # a path that outlives changes of the page
             ("/head.json", HeadMesh),
+            ("/gallery", GalleryList, pictures),
+            ("/gallery/([^/]+)/([0-9a-z.]+)", GalleryPicture, pictures),
         ],
         default_handler_class=Nothing,
         context=context,

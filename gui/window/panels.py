@@ -28,6 +28,7 @@ from gui.window.widgets.notices import Banner, ConnectSheet, RefusalNotice, Trou
 from gui.window.widgets.plots import PlotsPanel
 from gui.window.widgets.sending import CommandsPanel, SendingPanel, StopBar
 from gui.window.widgets.sequence import SequencePanel
+from gui.window.widgets.showing import ShowButtons
 from gui.window.widgets.steering import Steering
 
 P = TypeVar("P", bound=Panel)
@@ -87,6 +88,8 @@ class Panels(QWidget):
         self.head = self._add(HeadPanel(texts), lambda view: view.head)
         self.head3d = self._add(Head3d(texts), lambda view: view.head)
         self._add(self.head3d.room, lambda view: view.room)
+        self.show_buttons = self._add(ShowButtons(), lambda view: view.show)
+        self.head3d.top.addWidget(self.show_buttons)
         self.arms = self._add(ArmsPanel(texts), lambda view: view)
         self.sending = self._add(SendingPanel(texts), lambda view: view)
         self.commands = self._add(CommandsPanel(texts), lambda view: view.commands)

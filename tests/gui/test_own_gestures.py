@@ -201,7 +201,7 @@ def test_a_press_anywhere_in_a_sector_of_the_wheel_plays_its_emotion(
 def test_a_gesture_of_the_user_has_a_button_with_a_menu(panel: tuple[GesturesPanel, list[Intent]]) -> None:
     made, reported = panel
     shown = [button for button in made.findChildren(PictureButton) if button.isVisible()]
-    assert len(shown) == len(GESTURES) + 2 + 2, "Follow and Program, and two of the user; no class"
+    assert len(shown) == len(GESTURES) + 3 + 2, "Follow, Listen and Program, and two of the user; no class"
     assert "line 3" in made.own["broken"].toolTip()
     QTest.mouseClick(made.own["wink"], Qt.MouseButton.LeftButton, pos=QPoint(10, 10))
     edit, rename, delete = present(made.own["wink"].menu()).actions()

@@ -45,6 +45,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
     folder = tmp_path_factory.mktemp("page")
     files = shutil.copytree(STATIC, folder / "static")
     (files / "connection.js").write_text(CONNECTION)
+    (folder / "gallery").write_text('{"shown": [], "teacher": false}')
     page = files / "class.html"
     page.write_text(page.read_text().replace("{{ static }}", "/static"))
     handler = partial(SimpleHTTPRequestHandler, directory=folder)

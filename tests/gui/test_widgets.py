@@ -18,7 +18,8 @@ from recording_link import ShownState
 
 from beatrix_zenoh.body.scene import EARS, SKULL
 from beatrix_zenoh.contract._generated.messages import Command
-from gui.console.state.actions import Abort, BeginRecording, EndRecording, SendNow
+from beatrix_zenoh.contract.names import SIDES
+from gui.console.state.actions import Abort, BeginRecording, EndRecording, SendNow, TakePicture
 from gui.console.state.intents import (
     AddPose,
     AimHead,
@@ -70,6 +71,10 @@ BUTTONS: dict[str, tuple[Callable[[Window], QAbstractButton], Intent]] = {
     ),
     "undo": (lambda window: window.panels.commands.buttons["undo"], Undo()),
     "record": (lambda window: window.panels.header.record.toggle, BeginRecording()),
+    "photo": (
+        lambda window: window.panels.show_buttons.photo,
+        TakePicture(False, SIDES, ("Simulation", "Hardware"), "ben · bea1"),
+    ),
     "add": (lambda window: window.panels.sequence.add, AddPose()),
     "delete": (lambda window: window.panels.sequence.delete, DeletePose("nod")),
     "play": (lambda window: window.panels.sequence.play, PlaySequence("sim")),

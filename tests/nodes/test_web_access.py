@@ -66,6 +66,10 @@ def test_a_foreign_page_cannot_send_stop(browser: WebClient, headers: dict[str, 
     assert browser.fetch("/stop", body, **headers).code == 403
 
 
+def test_guests_have_no_gallery(browser: WebClient) -> None:
+    assert browser.fetch("/gallery").code == browser.fetch("/gallery", "PNG").code == 403
+
+
 def test_a_page_that_is_embedded_in_a_foreign_page_gets_no_cookies(port: int) -> None:
     with WebClient(port) as browser:
         response = browser.fetch("/", **{"Sec-Fetch-Dest": "iframe"})

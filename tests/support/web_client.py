@@ -163,13 +163,15 @@ class WebClient:
         }
         return {name: value for name, value in {**own, **more}.items() if value}
 
-    def fetch(self, path: str, body: str | None = None, **headers: str) -> HTTPResponse:
-        """Return the response to GET, or to POST with a body; store cookies, and follow no redirection."""
+    def fetch(
+        self, path: str, body: str | bytes | None = None, method: str = "", **headers: str
+    ) -> HTTPResponse:
+        """Return the response to GET, to POST with a body, or to another method; store cookies, and follow no redirection."""
 
         async def ask() -> HTTPResponse:
             request = HTTPRequest(
                 f"http://127.0.0.1:{self.port}{path}",
-                method="GET" if body is None else "POST",
+                method=method or ("GET" if body is None else "POST"),
                 headers=self.headers(**headers),
                 body=body,
                 follow_redirects=False,

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from beatrix_zenoh.body.figure import Figure, meshes
+from beatrix_zenoh.body.portrait import SMOOTHING, VIEW, Pixels, painted
 from beatrix_zenoh.body.scene import Screen, draw
 from beatrix_zenoh.body.surface import Mesh, Modeller
 from beatrix_zenoh.motion.kinematics import Neck
 from beatrix_zenoh.motion.rotation import rotation_of
-from beatrix_zenoh.recording.film import SMOOTHING, VIEW, Pixels, painted
 
 SIZE = 640, 480
 ROBOT, SCREEN = Figure(), Screen(VIEW, *SIZE)

@@ -16,9 +16,10 @@ from PIL import Image
 from written_recordings import BEGAN_NS, STEP_NS, write_lesson
 
 from beatrix_zenoh.body.figure import Figure
+from beatrix_zenoh.body.portrait import Pixels, PoseRenderer
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.client.sound import Sound
-from beatrix_zenoh.recording.film import PANEL, Pixels, PoseRenderer
+from beatrix_zenoh.recording.film import PANEL
 from beatrix_zenoh.recording.rows import Frame, Numbers, RecordingRow, SoundRow, of_robot
 from beatrix_zenoh.recording.rrd.read import read
 from beatrix_zenoh.recording.sound import rows_of

@@ -19,8 +19,8 @@ from beatrix_zenoh.shutdown import signals_interrupt
 from beatrix_zenoh.terminal.options import Json, Names, Which, finite
 
 if TYPE_CHECKING:  # importing numpy and rerun would delay every verb
+    from beatrix_zenoh.body.video import FilmFrame
     from beatrix_zenoh.recording.export import Table
-    from beatrix_zenoh.recording.film import FilmFrame
     from beatrix_zenoh.recording.samples import EyePicture
 
 WAV = ".wav"
@@ -197,7 +197,8 @@ def written_film(
     Raises:
         Refused: BAD_VALUE, the choice is not unique, there are no pictures, or the file cannot be written.
     """
-    from beatrix_zenoh.recording.film import eye_frames, side_by_side, write_video
+    from beatrix_zenoh.body.video import write_video
+    from beatrix_zenoh.recording.film import eye_frames, side_by_side
     from beatrix_zenoh.recording.rrd.read import read_eyes
 
     sides = dict(sorted(table.robots))

@@ -202,11 +202,11 @@ def not_started(error: BeatrixError | OSError) -> Trouble:
     return Trouble(key, detail=error.message)
 
 
-def folder() -> Path:
-    """Return `recordings/` in the working directory, or in the user's Documents if the former is read-only."""
+def folder(name: str = FOLDER) -> Path:
+    """Return `recordings/`, or another folder, in the working directory, or in Documents if the former is read-only."""
     here = Path.cwd()
     root = here if os.access(here, os.W_OK) else Path.home() / "Documents"
-    return root / FOLDER
+    return root / name
 
 
 class Ports:

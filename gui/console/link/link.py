@@ -17,6 +17,7 @@ from gui.console.link.block_run import BlockRun
 from gui.console.link.children import HARDWARE, SIMULATION, Children, Ports, Recordings
 from gui.console.link.choreographies import Playing
 from gui.console.link.connection import PROBE_S, PROBE_SHARED_S, Connection, Probe, Session
+from gui.console.link.filming import Filming
 from gui.console.link.governing import LessonReports, robots_online, send_govern
 from gui.console.link.jobs import Jobs
 from gui.console.link.moving import Moving, RobotAction
@@ -79,6 +80,7 @@ class Link:
         """what asks robots again when it is time"""
         self._children = Children(jobs, self._connection.try_now)
         self._recordings, self._ports = Recordings(jobs), Ports(jobs)
+        self._filming = Filming(jobs, lambda: self.session)
         self._routers = Routers(jobs, self._connection, self.moving.deselect)
         self._table = self._carrying_out()
 
@@ -121,12 +123,13 @@ class Link:
             latency_s=latency_s,
             plan=moving.plan,
             recording=self._recordings.progress(),
+            picture=self._filming.progress(),
             starting=self._children.starts(SIMULATION),
             connecting=self._children.starts(HARDWARE),
             own_hardware=self._children.runs(HARDWARE),
             ports=self._ports.newest,
             child_trouble=self._children.trouble,
-            account=account,
+            account=settings.account,
             choosing=self._routers.busy,
             router_trouble=self._routers.trouble,
             playing="" if play is None else play.title,
@@ -174,6 +177,9 @@ class Link:
             actions.BeginRecording: lambda _: self._recordings.begin(*connection.where),
             actions.EndRecording: lambda _: self._recordings.end(),
             actions.ViewRecording: lambda action: children.view(action.file),
+            actions.TakePicture: self._filming.take,
+            actions.EndFilm: lambda _: self._filming.end(),
+            actions.OpenPicture: lambda action: self._filming.open(action.file),
             actions.StartSimulation: lambda _: children.simulate(*connection.where),
             actions.LookForPorts: lambda _: self._ports.look(),
             actions.ConnectHardware: lambda action: children.connect(*connection.where, action.port),
@@ -246,7 +252,7 @@ class Link:
         """Stop the motions of this window, close the session and end all children; takes at most 3 s."""
         deadline_s = time.monotonic() + CLOSE_S
         self.moving.drop(WindowError(Reason.SHUTDOWN, "result.closed"))
-        for part in (self._stop_sender, self._cameras, self._levels):
+        for part in (self._stop_sender, self._cameras, self._levels, self._filming):
             part.close()
         # In parallel, because each may need all of the time, for example while a recorder completes its file.
         self._jobs.put("recorder-end", lambda: self._recordings.end_all(deadline_s))

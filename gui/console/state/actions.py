@@ -257,6 +257,26 @@ class ViewRecording(Action, frozen=True):
     file: Path
 
 
+class TakePicture(Action, frozen=True):
+    """Take a photo of robots, or begin a film."""
+
+    film: bool
+    sides: tuple[str, ...]
+    titles: tuple[str, ...]
+    """over each robot"""
+    caption: str
+
+
+class EndFilm(Action, frozen=True):
+    """End the film."""
+
+
+class OpenPicture(Action, frozen=True):
+    """Open a photo or film with the user's program for it."""
+
+    file: Path
+
+
 class Retry(Action, frozen=True):
     """Look for the router again now."""
 

@@ -357,6 +357,15 @@ class RecordView:
 
 
 @dataclass(frozen=True)
+class ShowView:
+    """The buttons that show the head to others."""
+
+    photo: ButtonView
+    film: RecordView
+    """opens photos, too"""
+
+
+@dataclass(frozen=True)
 class ClassRowView:
     """One robot of the class."""
 
@@ -470,6 +479,7 @@ class View:
     code: str
     """the program so far, as the text of a file"""
     record: RecordView
+    show: ShowView
     last: str
     """the last request with its outcome"""
     last_detail: str

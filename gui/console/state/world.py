@@ -115,6 +115,19 @@ class Person:
 
 
 @dataclass(frozen=True)
+class PictureProgress:
+    """A film under way, and the newest photo or film."""
+
+    seconds: float | None = None
+    """duration of the film that runs; None: none runs"""
+    writing: bool = False
+    """whether a photo or film is being drawn"""
+    file: Path | None = None
+    trouble: Trouble | None = None
+    """why the last one was not written"""
+
+
+@dataclass(frozen=True)
 class FaceProgress:
     """The program that follows a face, or turns to a sound: the one that runs, or ran last."""
 
@@ -192,6 +205,7 @@ class World:
     gestures: tuple[OwnGesture, ...] = ()
     """those of the user, by name"""
     face: FaceProgress = FaceProgress()
+    picture: PictureProgress = PictureProgress()
     blocks_run: bool = False
     """whether a program of blocks runs"""
     block: str = ""
@@ -287,4 +301,6 @@ def news(world: World) -> dict[str, Trouble | Path]:
         found["child.trouble"] = failed
     if recording is not None and not recording.running:
         found["record.saved"] = recording.file
+    if (picture := world.picture.trouble or world.picture.file) is not None:
+        found["picture.trouble" if world.picture.trouble else "picture.saved"] = picture
     return found

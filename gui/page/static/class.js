@@ -1,5 +1,6 @@
 // The page for a projector: whose turn it is at each robot. It sends no request to a robot.
 import { connect, send, trouble } from "./connection.js";
+import { connectGallery, look } from "./gallery.js";
 
 const byId = (id) => document.getElementById(id);
 const READY = ["ready", "moving"]; // conditions in which a robot can move
@@ -65,6 +66,7 @@ function show(parts) {
   if (parts.language) document.documentElement.lang = parts.language;
   if (parts.empty === null) send({ do: "class", on: true }); // a new connection
   if (parts.texts || parts.class || parts.empty) draw();
+  if (parts.texts) look();
 }
 
 addEventListener("resize", draw);
@@ -74,4 +76,5 @@ setInterval(() => {
   byId("trouble").hidden = !key;
   byId("trouble").textContent = key ? shown.texts[key] ?? key : "";
 }, 250);
+connectGallery(shown);
 connect(show, () => {});

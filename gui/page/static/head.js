@@ -22,7 +22,7 @@ const poses = {}; // by side: arms (rad), head (deg), and the message
 const others = {}; // the same of the robot that is drawn small, beside the own one
 const small = document.querySelector("#beside canvas");
 const camera = { azimuth: 0, elevation: 12 };
-let page = null; // { view, target, aim, grab, release, turned }
+let page = null; // { view, target, aim, grab, release, turned, drawn }
 let drawnSmall = ""; // what is drawn small
 let model = null, paint = null, paintSmall = null, drag = null, orbit = null, over = null, frame = 0, rest = 0;
 
@@ -133,6 +133,7 @@ function draw() {
   }
   const aims = Boolean(head.shown) && (drag !== null || apart(head.shown, page.target()));
   paint(figures(head, aims), screen);
+  page.drawn();
   drawSmall();
   const pen = marks.getContext("2d");
   pen.setTransform(ratio, 0, 0, ratio, 0, 0);

@@ -6,6 +6,7 @@ import { connectEyes, showEyes } from "./eyes.js";
 import { changed, connectHead, receivePose, seenFromFront } from "./head.js";
 import { LESSONS, asLesson, connectLessons } from "./lessons.js";
 import { connectGamepad } from "./gamepad.js";
+import { connectShow, drawn } from "./show.js";
 import { connectTabs } from "./tabs.js";
 
 const BEAT_MS = 100; // period of the heartbeats of a page whose robots move, or may move after a message
@@ -496,6 +497,7 @@ connectLessons({ text, make, view });
 connectTabs();
 connectCards({ text, bind, make, view });
 connectGamepad({ view, stop });
+connectShow({ text, view, token });
 connectEyes(isOpen, () => showEyes(view));
-connectHead({ view, target, aim, grab, release: releaseHead, turned: showAround });
+connectHead({ view, target, aim, grab, release: releaseHead, turned: showAround, drawn });
 connect(receive, receivePose, () => { releaseButton(); disconnected(); showTrouble(); });

@@ -65,8 +65,8 @@ class Head3d(TargetWidget):
             self.live.intent, self.send.intent, self.code.intent, self.room_box.intent, self.room.intent
         )
         below = in_row(self.live, self.send, self.code, None, *self.views.values())
-        above = in_row(self._names, None, self.room_box)
-        in_column(above, (self._nothing, 1), below, margins=(9, 6, 9, 9), inside=self)
+        self.top = in_row((self._names, 1), self.room_box)
+        in_column(self.top, (self._nothing, 1), below, margins=(9, 6, 9, 9), inside=self)
         self.camera = VIEWS["front"]
         self._drag: Drag | None = None
         self._orbit: QPointF | None = None
