@@ -17,7 +17,7 @@ from gui.window.keys import KeySheet
 from gui.window.theme import style_of
 from gui.window.widgets.arms import ArmsPanel
 from gui.window.widgets.class_page import ClassPage
-from gui.window.widgets.controls import NO_MARGINS, ChoiceButton, ChoiceCheck, Panel, filled, spaced
+from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, filled, spaced
 from gui.window.widgets.eyes import EyesPanel
 from gui.window.widgets.gestures import GesturesPanel
 from gui.window.widgets.head import HeadPanel
@@ -111,8 +111,7 @@ class Panels(QWidget):
         self.connect_sheet = self._add(ConnectSheet(texts, self.pages), lambda view: view.connect)
         self.refusal = RefusalNotice(texts, self.pages)
         self.key_sheet = KeySheet(texts, self.pages)
-        self._boxes: list[ChoiceCheck | ChoiceButton]
-        self._boxes = [*self.findChildren(ChoiceCheck), *self.findChildren(ChoiceButton)]
+        self._boxes = self.findChildren(ChoiceCheck)
         self._connect()
 
     def _order(self) -> None:
@@ -245,6 +244,7 @@ class Panels(QWidget):
         for box in self._boxes:
             box.setChecked(getattr(view.choices, box.name))
         self._simple, self._drawer = view.choices.simple, view.choices.simple and view.choices.drawer
+        self.head3d.code.setChecked(self._drawer)
         self._arrange()
         for panel, part in self._parts:
             shown = part(view)

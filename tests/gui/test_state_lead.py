@@ -187,6 +187,26 @@ def test_live_moves_the_simulation_alone_in_one_row_of_the_history(sides: tuple[
     assert sent(state.handle(intents.LiveHead(), world())).row not in rows  # the next drag
 
 
+@pytest.mark.parametrize(
+    ("sides", "pitch", "sends"),
+    [(("sim",), 5.0, False), (("sim",), 40.0, True), (("hw",), 5.0, True), (("sim", "hw"), 5.0, True)],
+)
+def test_in_the_simple_window_a_drag_moves_the_simulation_and_its_end_sends(
+    sides: tuple[str, ...], pitch: float, sends: bool
+) -> None:
+    """The simulation is there already, unless the target is too far, which the refusal then explains."""
+    checks = (intents.Choose(side, value=side in sides) for side in ("sim", "hw"))
+    state = state_after(intents.Choose("simple", value=True), *checks)
+    for intent in (intents.GrabHead(), intents.AimHead(0.0, pitch, 0.0)):
+        assert state.handle(intent, world()) == []
+    live = state.handle(intents.LiveHead(), world())
+    assert [send.sides for send in live if isinstance(send, Send)] == [("sim",)] * ("sim" in sides)
+    released = state.handle(intents.ReleaseHead(), world())
+    assert [send.sides for send in released if isinstance(send, Send)] == [sides] * sends
+    assert all(state.view(world()).head.side(side) is not None for side in sides)
+    assert state.view(world()).head.hw is None or "hw" in sides, "no ghost hides the face"
+
+
 @pytest.mark.parametrize("stop", [intents.Stop(), intents.EmergencyStop()])
 def test_stop_ends_live_until_the_next_drag(stop: intents.Intent) -> None:
     state = state_after(LIVE, intents.AimHead(5.0, 0.0, 0.0))

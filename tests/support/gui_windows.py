@@ -40,7 +40,7 @@ def begin_again(window: Window, link: RecordingLink, state: WatchedState | Shown
     class_page.list.setCurrentItem(class_page.list.topLevelItem(0))
     panels.sequence._view = None
     panels._shown.clear()
-    for sheet in (panels.key_sheet, panels.connect_sheet):
+    for sheet in (panels.key_sheet, panels.connect_sheet, panels.banner, panels.guide):
         sheet.hide()
     panels.head3d.look_from(VIEWS["front"])
     window.refresh()

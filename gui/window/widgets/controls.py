@@ -246,19 +246,6 @@ class ChoiceCheck(QCheckBox):
         self.clicked.connect(lambda on: self.intent.emit(Choose(name, value=on)))
 
 
-class ChoiceButton(QPushButton):
-    """A button that stays down while a choice is on, like `ChoiceCheck`."""
-
-    intent = pyqtSignal(object)
-
-    def __init__(self, texts: Texts, name: str) -> None:
-        super().__init__(texts(f"label.{name}"))
-        self.name = name
-        self.setCheckable(True)
-        named(self, self.text(), texts(f"tip.{name}"))
-        self.clicked.connect(lambda on: self.intent.emit(Choose(name, value=on)))
-
-
 class NameBox(QComboBox):
     """A choice of names; it and its list are as wide as the style sheet says, and the list scrolls."""
 

@@ -15,7 +15,6 @@ from gui.console.state.intents import Choose, GrabHead
 from gui.console.state.views import HeadView
 from gui.console.texts import Texts
 from gui.window.widgets.controls import (
-    ChoiceButton,
     ChoiceCheck,
     in_column,
     in_row,
@@ -58,12 +57,11 @@ class Head3d(TargetWidget):
             button.setCheckable(True)
             button.clicked.connect(lambda _, name=name: self._go(VIEWS[name]))
         self.live, self.send = ChoiceCheck(texts, "live"), ChoiceCheck(texts, "send_on_release")
-        self.code = ChoiceButton(texts, "drawer")
-        self.code.hide()
+        self.code = plain_button(texts("label.code"), texts("tip.drawer"))
+        self.code.setCheckable(True)
+        self.code.clicked.connect(lambda on: self.intent.emit(Choose("drawer", on)))
         self.room_box, self.room = ChoiceCheck(texts, "room"), Room(texts, self)
-        self.reports(
-            self.live.intent, self.send.intent, self.code.intent, self.room_box.intent, self.room.intent
-        )
+        self.reports(self.live.intent, self.send.intent, self.room_box.intent, self.room.intent)
         below = in_row(self.live, self.send, self.code, None, *self.views.values())
         self.top = in_row((self._names, 1), self.room_box)
         in_column(self.top, (self._nothing, 1), below, margins=(9, 6, 9, 9), inside=self)
