@@ -9,7 +9,15 @@ from contextlib import contextmanager
 from PyQt5.QtCore import QEvent, QPoint, QPointF, Qt
 from PyQt5.QtGui import QMouseEvent
 from PyQt5.QtTest import QTest
-from PyQt5.QtWidgets import QAbstractButton, QAbstractSpinBox, QApplication, QTabWidget, QWidget, qApp
+from PyQt5.QtWidgets import (
+    QAbstractButton,
+    QAbstractSpinBox,
+    QApplication,
+    QScrollArea,
+    QTabWidget,
+    QWidget,
+    qApp,
+)
 from recording_link import RecordingLink, ShownState, WatchedState
 
 from beatrix_zenoh import Robot
@@ -161,7 +169,7 @@ def whole(widget: QWidget) -> bool:
 
 
 def reveal(widget: QWidget) -> None:
-    """Select the tabs that contain a widget, or open the menu of a pill."""
+    """Select the tabs that contain a widget, scroll to it, or open the menu of a pill."""
     menu = widget.window()
     if isinstance(menu, RobotMenu) and menu.isHidden():
         menu.open(menu.parentWidget())
@@ -170,6 +178,9 @@ def reveal(widget: QWidget) -> None:
             page = tabs.widget(number)
             if page.isAncestorOf(widget):
                 tabs.setCurrentIndex(number)
+    for area in widget.window().findChildren(QScrollArea):
+        if area.isAncestorOf(widget):
+            area.ensureWidgetVisible(widget)
 
 
 def menu_button(window: Window, side: str, text: str) -> QAbstractButton:

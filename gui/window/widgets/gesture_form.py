@@ -5,8 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from PyQt5.QtCore import QRegularExpression, QSize, Qt, QTimer, pyqtSignal
-from PyQt5.QtGui import QIcon, QRegularExpressionValidator
-from PyQt5.QtWidgets import QButtonGroup, QGridLayout, QLineEdit, QToolButton, QVBoxLayout, QWidget
+from PyQt5.QtGui import QIcon, QRegularExpressionValidator, QResizeEvent
+from PyQt5.QtWidgets import (
+    QButtonGroup,
+    QGridLayout,
+    QLineEdit,
+    QSizePolicy,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
 
 from gui.console.state.intents import Theme
 from gui.console.texts import Texts
@@ -15,7 +23,8 @@ from gui.window.widgets.controls import filled, in_row, named, plain_button, spa
 from gui.window.widgets.gesture_pictures import EMOJI, emoji
 
 COLUMNS = 12
-PICTURE_PX = 24
+PICTURE_PX, AIR_PX = 24, 8
+"""Side of an emoji at scale 1, and the width around it."""
 LONGEST = 24
 WORD = QRegularExpression(r"[\w-]+", QRegularExpression.PatternOption.UseUnicodePropertiesOption)
 """Without spaces, because the space bar is STOP."""
@@ -32,24 +41,26 @@ class GestureForm(QWidget):
         super().__init__()
         self._texts = texts
         self._names: Sequence[str] = ()
+        self._side = PICTURE_PX
         self.name = named(QLineEdit(), texts("gesture.name"), texts("gesture.name_tip"))
         self.name.setMaxLength(LONGEST)
+        self.name.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         self.name.setPlaceholderText(texts("gesture.name"))
         self.name.setValidator(QRegularExpressionValidator(WORD, self.name))
         self.save = plain_button(texts("gesture.save"), texts("gesture.save_tip"))
         self.save.setProperty("main", True)  # noqa: FBT003
         self.cancel = plain_button(texts("gesture.cancel"), texts("gesture.cancel_tip"))
         self.group = QButtonGroup(self)
-        grid = spaced(QGridLayout(), 2)
+        self._grid = spaced(QGridLayout(), 2)
         for number, sign in enumerate(EMOJI):
-            button = QToolButton()
+            button = QToolButton(self)
             button.setCheckable(True)
             button.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+            button.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
             button.setAccessibleName(f"{texts('gesture.emoji')} {sign}")
             self.group.addButton(button, number)
-            grid.addWidget(button, *divmod(number, COLUMNS))
         line = in_row((self.name, 1), self.save, self.cancel, gap=6)
-        filled(spaced(QVBoxLayout(self), 4, (6, 4, 6, 4)), line, grid, None)
+        filled(spaced(QVBoxLayout(self), 4, (6, 4, 6, 4)), line, self._grid, None)
         self.name.textChanged.connect(self._show_save)
         # Later: otherwise the same Enter would press the button that has the focus next.
         self.name.returnPressed.connect(lambda: QTimer.singleShot(0, self._give))
@@ -68,7 +79,8 @@ class GestureForm(QWidget):
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
         style, ratio = style_of(theme), self.devicePixelRatioF()
-        side, colours = style.px(PICTURE_PX), (style.text, style.field, style.accent)
+        self._side = side = style.px(PICTURE_PX)
+        colours = (style.text, style.field, style.accent)
         for number, sign in enumerate(EMOJI):
             button = self.group.button(number)
             button.setIcon(QIcon(emoji(sign, sign, side, ratio, colours)))
@@ -76,6 +88,16 @@ class GestureForm(QWidget):
         self.setStyleSheet(
             f"QToolButton:checked {{ background: {style.line}; border: 2px solid {style.accent}; }}"
         )
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        super().resizeEvent(event)
+        self._arrange()
+
+    def _arrange(self) -> None:
+        """Arrange the emoji in as many columns as fit."""
+        columns = max(1, min(COLUMNS, (self.width() - 2 * AIR_PX) // (self._side + AIR_PX)))
+        for number, button in enumerate(self.group.buttons()):
+            self._grid.addWidget(button, *divmod(number, columns))
 
     def _show_save(self) -> None:
         name = self.name.text()

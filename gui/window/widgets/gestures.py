@@ -58,7 +58,6 @@ class GesturesPanel(Panel):
         self.buttons = others | self.wheel.buttons
         self.follow, self.turn, self.open = map(PictureButton, ("follow", "listen", "program"))
         self.fetch = PictureButton("fetch")
-        self.fetch.hide()
         self.own: dict[str, PictureButton] = {}
         """buttons of the user's gestures, by name"""
         self._cells = [*others.values(), self.follow, self.turn, self.open, self.fetch]
@@ -70,6 +69,8 @@ class GesturesPanel(Panel):
     def _lay_out(self) -> None:
         self._inner, self._area = QWidget(), QScrollArea()
         self._grid = spaced(QGridLayout(self._inner), 3, NO_MARGINS)
+        for button in self._cells:
+            button.setParent(self._inner)
         self._area.setWidget(self._inner)
         self._area.setWidgetResizable(True)
         self._area.setFrameShape(QFrame.Shape.NoFrame)

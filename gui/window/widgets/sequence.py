@@ -17,6 +17,7 @@ from PyQt5.QtWidgets import (
     QListWidgetItem,
     QMenu,
     QSizePolicy,
+    QWidget,
 )
 
 from beatrix_zenoh import files
@@ -28,11 +29,18 @@ from gui.console.state.saved import DURATION_MAX_S
 from gui.console.state.views import CardView, SequenceView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import ChoiceCheck, in_row, named, plain_button, spaced
+from gui.window.widgets.controls import (
+    NO_MARGINS,
+    ChoiceCheck,
+    IntentButton,
+    in_row,
+    named,
+    plain_button,
+    spaced,
+)
 from gui.window.widgets.files import FilePanel
 from gui.window.widgets.head3d_paint import portrait
 from gui.window.widgets.number_box import NumberBox
-from gui.window.widgets.picture_button import PictureButton
 
 NAME_LONGEST = 24
 NAME_PX = 90
@@ -188,28 +196,26 @@ class SequencePanel(FilePanel):
         self.duration.setMaximum(DURATION_MAX_S)
         self.duration.setSingleStep(0.5)
         self.add, self.play, self.hardware = self.button(), self.button(main=True), self.button()
-        self.delete, self.more = (
-            plain_button(texts(f"sequence.{name}"), texts(f"sequence.{name}_tip"))
-            for name in ("delete", "more")
-        )
+        self.delete = plain_button("✕", texts("sequence.delete_tip"), texts("sequence.delete"))
+        self.more = plain_button(texts("sequence.more"), texts("sequence.more_tip"))
         self.loop = ChoiceCheck(texts, "loop")
-        self.gesture = PictureButton("happy")
-        self.gesture.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
-        self.gesture.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Ignored)
+        self.gesture = IntentButton()
+        """its intent goes to the gestures, which ask for name and emoji"""
         self.entries: dict[str, QAction] = {}
         """entries of the menu More"""
+        others = QWidget()
+        in_row(self.delete, (self.more, 1), gap=3, margins=NO_MARGINS, inside=others)
         pairs = (
             (self.name, self.duration),
-            (self.add, self.delete),
-            (self.loop, self.more),
+            (self.add, self.gesture),
+            (self.loop, others),
             (self.play, self.hardware),
         )
         grid = spaced(QGridLayout(), 3)
-        grid.setColumnMinimumWidth(1, NAME_PX)
-        grid.addWidget(self.gesture, 0, 0, 2, 1)
+        grid.setColumnMinimumWidth(0, NAME_PX)
         for line, (left, right) in enumerate(pairs):
-            grid.addWidget(left, line, 1)
-            grid.addWidget(right, line, 2)
+            grid.addWidget(left, line, 0)
+            grid.addWidget(right, line, 1)
         in_row((self.strip, 1), grid, gap=6, margins=(4, 4, 4, 4), inside=self)
         self._connect()
 
@@ -273,7 +279,6 @@ class SequencePanel(FilePanel):
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
         self.strip.show_theme(theme)
-        self.gesture.show_theme(theme)
 
     def _chosen(self) -> CardView | None:
         number = self.strip.currentRow()
