@@ -17,12 +17,12 @@ from gui.console.link.block_run import BlockRun
 from gui.console.link.children import HARDWARE, SIMULATION, Children, Ports, Recordings
 from gui.console.link.choreographies import Playing
 from gui.console.link.connection import PROBE_S, PROBE_SHARED_S, Connection, Probe, Session
+from gui.console.link.editor import Editor
 from gui.console.link.governing import LessonReports, robots_online, send_govern
 from gui.console.link.jobs import Jobs
 from gui.console.link.moving import Moving, RobotAction
 from gui.console.link.outcomes import WindowError, failed, stopped, write
 from gui.console.link.pictures import Camera, CameraStream, LevelStream, OnImage, Watcher, levels
-from gui.console.link.programs import Following
 from gui.console.link.routers import Routers
 from gui.console.link.stopping import send_stop
 from gui.console.state import actions
@@ -69,6 +69,7 @@ class Link:
             settings, jobs, self._follow, name_given=name_given, source=source, shared=shared
         )
         self.moving = Moving(jobs, report)
+        self._editor = Editor()
         self._stop_sender = StopSender("window")
         self._lessons = LessonReports(jobs)
         period_s = PROBE_S if shared is None else PROBE_SHARED_S
@@ -98,8 +99,7 @@ class Link:
         blocks = program if isinstance(program, BlockRun) else None
         latency_s = {} if robot else {side: probe.round_trip_s for side, probe in self._probes.items()}
         robot = robot or connection.robot
-        sim, hw = connection.states(robot)
-        session, now_s = connection.session, time.monotonic()
+        (sim, hw), session, now_s = connection.states(robot), connection.session, time.monotonic()
         connection.look(now_s)
         for look in (self._probes["sim"].look, self._probes["hw"].look, self._lessons.look):
             look(session, now_s)
@@ -131,7 +131,8 @@ class Link:
             playing_pose=-1 if play is None else play.pose,
             blocks_run=blocks is not None,
             block="" if blocks is None else blocks.block,
-            face=moving.face.progress(running=isinstance(program, Following)),
+            program=moving.python(now_s),
+            code=self._editor.progress(now_s),
             wall_s=time.time(),
             session="" if session is None else session.client.bus.session_id,
             limits=self._probes["sim"].limits(robot) or self._probes["hw"].limits(robot),
@@ -149,7 +150,7 @@ class Link:
     def _carrying_out(self) -> Mapping[type[Action], Callable[[Never], None]]:
         """Return what carries out the actions of each class."""
         moving, connection, children, online = self.moving, self._connection, self._children, self._online
-        motions = (actions.Send, actions.Play, actions.RunBlocks, actions.FollowFace)
+        motions = (actions.Send, actions.Play, actions.RunBlocks)
         requests = (*motions, actions.SendCommand, actions.AskLease, actions.MakeReady)
         return {
             **dict.fromkeys(requests, online(self._request)),
@@ -173,7 +174,10 @@ class Link:
             actions.UseRouter: self._routers.choose,
             actions.UseAccount: self._routers.choose,
             actions.EndBlocks: lambda _: moving.end_blocks(),
-            actions.EndFollowing: lambda _: moving.end_following(),
+            actions.RunProgram: self._run,
+            actions.EndProgram: lambda _: moving.end_program(),
+            actions.OpenProgram: self._editor.open,
+            actions.WriteProgram: self._editor.write,
             actions.WriteFile: self._write,
         }
 
@@ -205,8 +209,11 @@ class Link:
 
     def _request(self, action: RobotAction, session: Session) -> None:
         """Carry out an action that robots answer."""
-        settings = replace(self._connection.settings, robot=session.twin.name)
-        self.moving.request(action, session.twin, settings)
+        self.moving.request(action, session.twin)
+
+    def _run(self, action: actions.RunProgram) -> None:
+        settings = replace(self._connection.settings, robot=self._connection.robot)
+        self.moving.run_program(action, settings)
 
     # -- STOP ---------------------------------------------------------------------------------------
 

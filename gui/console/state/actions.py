@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from importlib import resources
 from pathlib import Path
 from typing import Final
 
@@ -161,16 +162,41 @@ class EndBlocks(Action, frozen=True):
     """End the program of blocks."""
 
 
-class FollowFace(Action, frozen=True):
-    """Start the program that follows a face."""
+EXAMPLES: Final = Path(str(resources.files("beatrix_zenoh"))) / "examples"
+"""The folder of the shipped programs."""
+
+
+class RunProgram(Action, frozen=True):
+    """Run a Python program as a child process of the window."""
 
     row: int
-    sides: tuple[str, ...]
-    """the robots that move; the first one's left eye sees"""
+    file: Path
+    sides: tuple[str, ...] = ()
+    """its arguments; the simulated person walks if the first is `sim`"""
+
+    @property
+    def example(self) -> str:
+        """Name of the shipped program; empty: it is one of the user."""
+        return self.file.stem if self.file.parent == EXAMPLES else ""
 
 
-class EndFollowing(Action, frozen=True):
-    """End the program that follows a face."""
+class EndProgram(Action, frozen=True):
+    """End the program that runs."""
+
+
+class OpenProgram(Action, frozen=True):
+    """Show a program in the code panel."""
+
+    file: Path | None = None
+    """None: the program of the presses"""
+
+
+class WriteProgram(Action, frozen=True):
+    """Write what the user has typed."""
+
+    text: str
+    file: Path | None = None
+    """None: the file of the present program"""
 
 
 class WriteFile(Action, frozen=True):
@@ -178,8 +204,8 @@ class WriteFile(Action, frozen=True):
 
     row: int
     file: Path
-    content: str | bytes | Path
-    """text (UTF-8), a picture, or a file to copy unless the one to write exists"""
+    content: str | bytes
+    """text (UTF-8), or a picture"""
 
 
 class WatchCameras(Action, frozen=True):

@@ -7,7 +7,8 @@ from msgspec import structs
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.choreography import GESTURES
 from gui.console.state import refusals
-from gui.console.state.actions import NEW, POSES, Action, EndFollowing, FollowFace, Play, WriteFile
+from gui.console.state.actions import EXAMPLES, NEW, POSES, Action, EndProgram, OpenProgram, Play, RunProgram
+from gui.console.state.intents import Intent
 from gui.console.state.memory import Handles, Memory, begin, lead_of, unreachable
 from gui.console.state.views import ButtonView, GesturesView, button
 from gui.console.state.world import World
@@ -15,30 +16,33 @@ from gui.console.texts import Texts
 
 CONTROL, FILES = "gestures", "commands"
 """controls of gestures, and of files to play"""
+FOLLOW = "follow_the_face"
+"""The shipped program that follows a face."""
 EYE = "left"
 """The eye with which the shipped program sees."""
 TEST_PICTURE = "pattern"
 """The source of an eye of a virtual board, which never sees a person."""
 
 
+class RunExample(Intent, frozen=True):
+    """Run a shipped program that sees, with the checked robots."""
+
+    name: str
+
+
 def view(memory: Memory, world: World) -> GesturesView:
     """Return the buttons, and the refusal of one of them."""
-    texts, face = memory.choices.texts, world.face
+    texts, file = memory.choices.texts, EXAMPLES / f"{FOLLOW}.py"
     off = "" if memory.choices.sides else "off.unchecked"
-    follow = button(texts, "gesture.follow", FollowFace(NEW, ()), off)
-    if face.running:  # it can always be ended
-        follow = button(texts, "gesture.end", EndFollowing())
-    if face.running:
-        note = texts("gesture.following_own" if face.own else "gesture.following", file=str(face.file))
-    else:
-        note = texts("gesture.own", file=str(face.file)) if face.own else ""
+    follow = button(texts, "gesture.follow", RunExample(FOLLOW), off)
+    if runs := world.program.runs(file):  # it can always be ended
+        follow = button(texts, "gesture.end", EndProgram())
     return GesturesView(
         gestures=tuple((name, _gesture(name, off, texts)) for name in GESTURES),
         follow=follow,
-        following=face.running,
-        open=button(texts, "gesture.open", WriteFile(NEW, face.own_file, face.file), file=str(face.own_file)),
-        note=note,
-        details=texts("gesture.line", line=face.line) if face.line else "",
+        following=runs,
+        open=button(texts, "gesture.open", OpenProgram(file)),
+        note=texts("gesture.following") if runs else "",
         refusal=refusals.at(memory, (CONTROL,)),
     )
 
@@ -61,8 +65,8 @@ def play(memory: Memory, world: World, intent: Play) -> list[Action]:
     return begin(memory, world, request, control)
 
 
-def follow_face(memory: Memory, world: World, _intent: FollowFace) -> list[Action]:
-    """Return the action that starts the program; the hardware's eye sees if both robots move and both can see."""
+def run_example(memory: Memory, world: World, intent: RunExample) -> list[Action]:
+    """Return the action that runs the program; the hardware's eye sees if both robots move and both can see."""
     sides = memory.choices.sides
     if unreachable(memory, world, sides, CONTROL):
         return []
@@ -70,7 +74,9 @@ def follow_face(memory: Memory, world: World, _intent: FollowFace) -> list[Actio
     if not seeing:
         return memory.refuse(CONTROL, "cannot.no_eye" if len(sides) == 1 else "cannot.no_eyes")
     others = tuple(side for side in sides if side != seeing[0])
-    return begin(memory, world, FollowFace(NEW, (seeing[0], *others)), CONTROL)
+    return begin(
+        memory, world, RunProgram(NEW, EXAMPLES / f"{intent.name}.py", (seeing[0], *others)), CONTROL
+    )
 
 
 def sees(robot: RobotState) -> bool:
@@ -79,4 +85,4 @@ def sees(robot: RobotState) -> bool:
     return any(camera.eye == EYE and camera.connected and camera.source != TEST_PICTURE for camera in cameras)
 
 
-HANDLES: Handles = {Play: play, FollowFace: follow_face}
+HANDLES: Handles = {Play: play, RunExample: run_example}

@@ -190,7 +190,7 @@ def _what_of(row: RequestRow, texts: Texts) -> str:
 
 def what(row: RequestRow, texts: Texts) -> str:
     """Return a request in a few words."""
-    key, slots = "what.ready", {}
+    key, slots = "what.ready", dict[str, str]()
     match row.request:
         case Send(query=query):
             return _motion(query, texts)
@@ -206,8 +206,8 @@ def what(row: RequestRow, texts: Texts) -> str:
             key = f"what.{verb}_all" if everywhere else f"what.{verb}"
         case actions.AskLease(action=action):
             key = other_seats.WHATS[action.value]
-        case actions.FollowFace():
-            key = "what.follow_face"
+        case actions.RunProgram(file=file, example=example):
+            key, slots = (f"what.{example}", {}) if example else ("what.program", {"title": file.name})
         case actions.RunBlocks():
             key = "what.blocks"
         case actions.WriteFile(file=file):

@@ -9,6 +9,7 @@ from gui.console.state import (
     class_page,
     commands,
     connecting,
+    editor,
     eyes,
     gestures,
     history,
@@ -38,7 +39,7 @@ def choose(memory: Memory, world: World, intent: Choose) -> list[Action]:
 
 
 TOPICS = (
-    *(arms, blocks, class_page, commands, connecting, gestures, leases),
+    *(arms, blocks, class_page, commands, connecting, editor, gestures, leases),
     *(refusals, sending, sequence),
 )
 HANDLES: Handles = {
@@ -91,7 +92,7 @@ class State:
             eyes=eyes.view(memory, world),
             sound=eyes.sound(memory, world),
             history=history.view(memory, world),
-            code=history.code(memory, world),
+            code=editor.view(memory, world),
             record=commands.recording_view(memory, world),
             last=history.last(memory, world),
             last_detail=history.last_detail(memory, world),

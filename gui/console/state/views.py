@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from pathlib import Path
 
 from beatrix_zenoh.client import Place
 from gui.console.state.intents import HeadOrientation, Intent
@@ -204,6 +205,33 @@ class HistoryRowView:
 
 
 @dataclass(frozen=True)
+class CodeView:
+    """The program in the code panel, and its newest run."""
+
+    text: str
+    reads: int
+    """changes when another text is to be shown than was typed"""
+    title: str
+    file: Path | None
+    """None: it is the program of the presses"""
+    folder: Path
+    """the folder of the user's programs"""
+    run: ButtonView
+    """or end"""
+    running: bool
+    message: str
+    failed: bool
+    output: tuple[str, ...]
+    line: int
+    """the line at which it has failed; 0: none"""
+
+    @property
+    def shown(self) -> str:
+        """The text of the presses; empty if it is that of a file, which only a read changes."""
+        return "" if self.file else self.text
+
+
+@dataclass(frozen=True)
 class CommandsView:
     """The commands, by name."""
 
@@ -221,9 +249,7 @@ class GesturesView:
     following: bool
     open: ButtonView
     note: str
-    """what runs, or where the program of the user is; empty: nothing to say"""
-    details: str
-    """the last line of the program, as it is; empty: none"""
+    """what runs; empty: nothing does"""
     refusal: RefusalView | None = None
 
 
@@ -429,8 +455,7 @@ class View:
     sound: SoundView
     history: tuple[HistoryRowView, ...]
     """newest first"""
-    code: str
-    """the program so far, as the text of a file"""
+    code: CodeView
     record: RecordView
     last: str
     """the last request with its outcome"""

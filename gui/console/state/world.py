@@ -104,21 +104,35 @@ class RecordingProgress:
 
 
 @dataclass(frozen=True)
-class FaceProgress:
-    """The program that follows a face."""
+class ProgramProgress:
+    """The Python program that was started last."""
 
-    running: bool = False
     file: Path = Path()
-    """the program that the next press starts: that of the user, or the shipped one"""
-    own_file: Path = Path()
-    """where the program of the user is, or would be"""
-    line: str = ""
-    """last line of its output, for details; empty: none yet"""
+    running: bool = False
+    output: tuple[str, ...] = ()
+    """its last lines"""
+    line: int = 0
+    """the line at which it has failed; 0: none"""
 
-    @property
-    def own(self) -> bool:
-        """Whether the user has a program of their own."""
-        return bool(self.own_file.name) and self.file == self.own_file
+    def runs(self, file: Path) -> bool:
+        """Return whether this program runs."""
+        return self.running and self.file == file
+
+
+@dataclass(frozen=True)
+class CodeProgress:
+    """The program in the code panel."""
+
+    presses: Path = Path()
+    """where the program of the presses is written before it runs"""
+    file: Path | None = None
+    """its file; None: it is the program of the presses"""
+    text: str = ""
+    """of the file"""
+    reads: int = 0
+    """changes when the panel must show another text than the typed one"""
+    trouble: Trouble | None = None
+    """why the file cannot be read or written"""
 
 
 @dataclass(frozen=True)
@@ -163,7 +177,8 @@ class World:
     """title of the current play; empty: none"""
     playing_pose: int = -1
     """number of the pose of the sequence that is being played, from 0; -1: none"""
-    face: FaceProgress = FaceProgress()
+    program: ProgramProgress = ProgramProgress()
+    code: CodeProgress = CodeProgress()
     blocks_run: bool = False
     """whether a program of blocks runs"""
     block: str = ""
