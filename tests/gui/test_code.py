@@ -24,7 +24,7 @@ from gui.window.widgets.code_editor import PythonEditor
 from gui.window.window import Window
 
 SHIPPED = EXAMPLES / "follow_the_face.py"
-PRESSES, MINE = Path("/home/ana/beatrix-programs/program.py"), Path("/home/ana/mine.py")
+PRESSES, MINE = Path("/home/ana/beatrix-programs/presses.py"), Path("/home/ana/mine.py")
 
 
 @pytest.fixture
@@ -35,7 +35,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_a_change_never_overwrites_presses_or_shipped_programs(folder: Path) -> None:
-    before, presses = SHIPPED.read_text(encoding="utf-8"), folder / "program.py"
+    before, presses = SHIPPED.read_text(encoding="utf-8"), folder / "presses.py"
     for opened, name in (
         (None, "program-1.py"),
         (None, "program-2.py"),

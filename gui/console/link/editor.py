@@ -24,7 +24,7 @@ class Editor:
 
     def __init__(self) -> None:
         """Begin with the program of the presses."""
-        self._now = CodeProgress(Path.home() / "beatrix-programs/program.py")
+        self._now = CodeProgress(Path.home() / "beatrix-programs/presses.py")
         self._looked_s = 0.0
         self._stamp: object = None
         """time and size of the file when it was read or written last"""
@@ -62,7 +62,7 @@ class Editor:
         file = action.file or self._now.file or presses
         if action.file != presses:
             if file == presses or file.is_relative_to(EXAMPLES.parent):
-                file = unused(presses.with_name(file.name))
+                file = unused(presses.with_name("program.py" if file == presses else file.name))
             self._now = replace(self._now, file=file, text=action.text)
         try:
             file.parent.mkdir(parents=True, exist_ok=True)
