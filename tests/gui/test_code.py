@@ -16,7 +16,15 @@ from recording_link import RecordingLink
 
 from beatrix_zenoh.contract._generated.messages import Detail, Reason
 from gui.console.link.editor import LOOK_S, Editor
-from gui.console.state.actions import EXAMPLES, EndProgram, OpenProgram, Outcome, RunProgram, WriteProgram
+from gui.console.state.actions import (
+    EXAMPLES,
+    Action,
+    EndProgram,
+    OpenProgram,
+    Outcome,
+    RunProgram,
+    WriteProgram,
+)
 from gui.console.state.editor import RunCode
 from gui.console.state.intents import Choose, Intent, Jog, Stop
 from gui.console.state.world import CodeProgress, ProgramProgress, Trouble, World
@@ -58,12 +66,11 @@ def test_the_newest_change_of_a_file_wins(folder: Path) -> None:
     editor, file = Editor(), folder.parent / "start.py"
     file.write_text("a = 1", encoding="utf-8")
     editor.open(OpenProgram(file))
-    read = editor.progress(1.0).reads
     editor.write(WriteProgram("a = 2"))
-    assert (file.read_text(encoding="utf-8"), editor.progress(2.0).reads) == ("a = 2", read)
+    assert (file.read_text(encoding="utf-8"), editor.progress(2.0).text) == ("a = 2", "a = 2")
     file.write_text("a = 33", encoding="utf-8")
     seen = editor.progress(2.0 + 2 * LOOK_S)
-    assert (seen.text, seen.reads, seen.file) == ("a = 33", read + 1, file)
+    assert (seen.text, seen.file) == ("a = 33", file)
     editor.write(WriteProgram("a = 4", folder / "other.py"))
     assert (file.read_text(encoding="utf-8"), editor.progress(9.0).file) == ("a = 33", folder / "other.py")
 
@@ -127,51 +134,64 @@ def test_the_end_of_a_program_is_said_with_its_line(outcome: Outcome, said: str,
 # -- the editor -------------------------------------------------------------------------------------
 
 
+class Writing(RecordingLink):
+    """Also takes what is typed, as the real link does."""
+
+    def do(self, action: Action) -> None:
+        super().do(action)
+        if isinstance(action, WriteProgram):
+            self.known = replace(self.known, code=CodeProgress(PRESSES, MINE, action.text))
+
+
+@pytest.fixture
+def link() -> RecordingLink:
+    return Writing()
+
+
 @pytest.fixture
 def editor(window: Window, qtbot: QtBot) -> PythonEditor:
     made = window.panels.code.program
     reveal(made)
     made.setFocus()
     qtbot.waitUntil(made.hasFocus)
-    made.selectAll()
     return made
 
 
 def test_a_program_is_typed_with_spaces_and_indents(
     window: Window, editor: PythonEditor, intents: Callable[[], list[Intent]]
 ) -> None:
+    editor.selectAll()
     QTest.keyClicks(editor, "for i in 1,:\r\tprint(i)\r\bpass\r\bi =")
     typed = "for i in 1,:\n        print(i)\n    pass\ni ="
     assert editor.toPlainText() == typed
-    assert intents() == []
+    given = intents()
+    assert given[-1] == WriteProgram(typed)
+    assert Stop() not in given
     QTest.keyClick(editor, Qt.Key.Key_Escape)
     assert intents() == [Stop()]
     QTest.keyClick(editor, Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
-    assert editor.toPlainText() != typed
+    assert intents() == [WriteProgram(editor.toPlainText())]
     QTest.keyClick(editor, Qt.Key.Key_Backtab)
     assert not editor.hasFocus()
-    assert intents() == [WriteProgram(editor.toPlainText())]
     QTest.mouseClick(window.panels.code.run, Qt.MouseButton.LeftButton)
     assert intents() == [RunCode()]
 
 
 def test_the_program_grows_until_the_user_types_and_another_one_is_shown(
-    qtbot: QtBot, window: Window, link: RecordingLink, editor: PythonEditor
+    window: Window, link: RecordingLink, editor: PythonEditor
 ) -> None:
-    for count in (1, 2):
+    for count in (1, 2, 2):
         window.handle(Jog("short", 1))
         window.refresh()
         assert editor.toPlainText().count("move") == count
-    editor.insertPlainText("mine")
-    window.handle(Jog("short", 1))
-    link.known = replace(link.known, code=CodeProgress(PRESSES, MINE, "theirs", 1))
-    window.refresh()
-    assert "mine" in editor.toPlainText(), "what is typed stays"
-    qtbot.waitUntil(lambda: any(isinstance(done, WriteProgram) for done in link.done))
+        if count == 2:
+            editor.insertPlainText("mine")
     window.panels.side.setCurrentIndex(0)
     link.known = replace(link.known, code=CodeProgress(PRESSES, MINE, "theirs", 2))
     window.refresh()
     assert (editor.toPlainText(), editor.isVisible()) == ("theirs", True)
+    editor.undo()
+    assert "mine" in editor.toPlainText()
 
 
 def test_the_output_and_the_faulty_line_are_shown(
@@ -185,4 +205,6 @@ def test_the_output_and_the_faulty_line_are_shown(
     window.refresh()
     assert window.panels.code.output.toPlainText() == "1\n2"
     assert (editor.fault, editor.textCursor().blockNumber()) == (2, 1)
+    states = [editor.document().findBlockByNumber(number).userState() for number in range(5)]
+    assert states == [0, 1, 1, 0, 0], "a string of several lines"
     assert not window.grab().isNull()

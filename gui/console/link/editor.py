@@ -40,21 +40,20 @@ class Editor:
 
     def open(self, action: OpenProgram) -> None:
         """Read another program, or go back to that of the presses."""
-        self._now = replace(self._now, reads=self._now.reads + 1)
+        self._now = replace(self._now, opens=self._now.opens + 1)
         if action.file is None:
-            self._now = CodeProgress(self._now.presses, reads=self._now.reads)
+            self._now = CodeProgress(self._now.presses, opens=self._now.opens)
         else:
             self._read(action.file)
 
     def _read(self, file: Path) -> None:
-        now, self._stamp = self._now, stamp(file)
+        self._stamp, trouble = stamp(file), Trouble("result.no_program", slots={"file": str(file)})
         try:
             text = files.text(file, LARGEST_BYTES, "Python")
         except (OSError, WrongUsage):
-            self._now = replace(now, trouble=Trouble("result.no_program", slots={"file": str(file)}))
+            self._now = replace(self._now, trouble=trouble)
         else:
-            reads = now.reads + ((file, text) != (now.file, now.text))
-            self._now = CodeProgress(now.presses, file, text, reads)
+            self._now = replace(self._now, file=file, text=text, trouble=None)
 
     def write(self, action: WriteProgram) -> None:
         """Write the program; the file of a shipped one, or of the presses, becomes one of the user's with a new name."""

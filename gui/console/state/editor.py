@@ -29,7 +29,7 @@ def view(memory: Memory, world: World) -> CodeView:
     message, failed = _message(memory, world, file)
     return CodeView(
         text=text,
-        reads=code.reads,
+        opens=code.opens,
         title=code.file.name if code.file else texts("code.presses"),
         file=code.file,
         folder=code.presses.parent,

@@ -209,8 +209,8 @@ class CodeView:
     """The program in the code panel, and its newest run."""
 
     text: str
-    reads: int
-    """changes when another text is to be shown than was typed"""
+    opens: int
+    """how often the user has opened a program"""
     title: str
     file: Path | None
     """None: it is the program of the presses"""
@@ -224,11 +224,6 @@ class CodeView:
     output: tuple[str, ...]
     line: int
     """the line at which it has failed; 0: none"""
-
-    @property
-    def shown(self) -> str:
-        """The text of the presses; empty if it is that of a file, which only a read changes."""
-        return "" if self.file else self.text
 
 
 @dataclass(frozen=True)

@@ -129,8 +129,8 @@ class CodeProgress:
     """its file; None: it is the program of the presses"""
     text: str = ""
     """of the file"""
-    reads: int = 0
-    """changes when the panel must show another text than the typed one"""
+    opens: int = 0
+    """how often the user has opened a program"""
     trouble: Trouble | None = None
     """why the file cannot be read or written"""
 

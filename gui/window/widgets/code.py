@@ -7,8 +7,8 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from PyQt5.QtCore import QTimer, QUrl, pyqtSignal
-from PyQt5.QtGui import QDesktopServices, QFontDatabase, QTextCursor
+from PyQt5.QtCore import QUrl, pyqtSignal
+from PyQt5.QtGui import QDesktopServices, QTextCursor
 from PyQt5.QtWidgets import QFileDialog, QMenu, QPlainTextEdit, QSizePolicy
 
 from gui.console.state.actions import OpenProgram, WriteProgram
@@ -19,8 +19,6 @@ from gui.window.widgets.code_editor import PythonEditor
 from gui.window.widgets.controls import ElidedLabel, in_column, in_row, label, named, plain_button, set_role
 from gui.window.widgets.files import FilePanel
 
-WRITE_MS = 300
-"""Time after a key in which the program is written."""
 OUTPUT_PX = 90
 """Largest height of the output."""
 
@@ -29,55 +27,45 @@ class CodePanel(FilePanel):
     """The editor, its file, and the output below it."""
 
     opened = pyqtSignal()
-    """another program is shown, so that the panel must be"""
+    """the user has opened a program, so that the panel must be shown"""
 
     def __init__(self, texts: Texts) -> None:
         super().__init__(texts)
         self._view: CodeView | None = None
-        self._known = ""
-        """the text that is shown or written"""
+        self._text = self._shown = ""
+        """the program that was shown or reported last; what the editor has made of it"""
         self.program = named(PythonEditor(), texts("label.code"), "")
         self.run, self.title = self.button(main=True), ElidedLabel("title", 6)
-        self.file = plain_button(texts("code.file"), texts("code.file_tip"))
+        self.file = plain_button(texts("code.file"), "")
         self.message = label(wrap=True)
         self.message.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.output = named(QPlainTextEdit(), texts("code.output"), "")
         self.output.setReadOnly(True)
-        self.output.setFont(QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont))
+        self.output.setFont(self.program.font())
         self.output.setMaximumHeight(OUTPUT_PX)
-        self.output.hide()
-        head = in_row(self.run, self.file, (self.title, 1), gap=4)
-        parts = (head, (self.program, 1), self.message, self.output)
-        in_column(*parts, gap=4, margins=(6, 6, 6, 6), inside=self)
-        self._typing = QTimer(self)
-        self._typing.setSingleShot(True)
-        self._typing.setInterval(WRITE_MS)
-        self._typing.timeout.connect(self._write)
-        self.program.textChanged.connect(self._typing.start)
-        for leaves in (self.program.left, self.run.pressed):  # before a button reports its intent
-            leaves.connect(self._write)
-        self._fill_menu()
-
-    def _fill_menu(self) -> None:
-        menu, texts = QMenu(self.file), self._texts
-        menu.addAction(texts("code.from_presses"), lambda: self._leave(OpenProgram()))
+        menu = QMenu(self.file)
+        menu.addAction(texts("code.from_presses"), lambda: self.intent.emit(OpenProgram()))
         menu.addAction(texts("code.open"), self._open)
         menu.addAction(texts("code.save_as"), self._save_as)
         self.editor = menu.addAction(texts("code.editor"), self._edit_elsewhere)
         self.file.setMenu(menu)
+        head = in_row(self.run, self.file, (self.title, 1), gap=4)
+        parts = (head, (self.program, 1), self.message, self.output)
+        in_column(*parts, gap=4, margins=(6, 6, 6, 6), inside=self)
+        self.program.textChanged.connect(self._report)
 
     def show_view(self, view: CodeView) -> None:
-        """Show the program and its run; while the user types, the typed text stays."""
+        """Show the program and its run."""
         old, self._view = self._view, view
-        changed = old is None or (old.reads, old.shown) != (view.reads, view.shown)
-        if changed and self.program.toPlainText() == self._known:
+        if view.text != self._text:
+            self._text = view.text
             self.program.show_text(view.text, same_file=old is not None and old.file == view.file)
-            self._known = self.program.toPlainText()
-        if old is not None and old.reads != view.reads:
+            self._shown = self.program.toPlainText()
+        if old is not None and old.opens != view.opens:
             self.opened.emit()
         self.run.show_view(view.run)
         self.title.setText(view.title)
-        self.file.setToolTip(str(view.file or self._texts("code.file_tip")))
+        self.file.setToolTip(str(view.file or view.folder))
         self.editor.setEnabled(view.file is not None)
         self.message.setText(view.message)
         set_role(self.message, "role", "bad" if view.failed else "dim")
@@ -92,40 +80,28 @@ class CodePanel(FilePanel):
         """Use the colours and sizes of a theme."""
         self.program.show_theme(theme)
 
-    def _write(self) -> None:
-        """Report what the user has typed since the last report."""
-        self._typing.stop()
-        text = self.program.toPlainText()
-        if text != self._known:
-            self._known = text
+    def _report(self) -> None:
+        """Report a change of the text; Qt reports those of colours, too."""
+        if (text := self.program.toPlainText()) != self._shown:
+            self._text = self._shown = text
             self.intent.emit(WriteProgram(text))
 
-    def _leave(self, intent: Intent) -> None:
-        self._write()
-        self.intent.emit(intent)
-
     def _open(self) -> None:
-        self._write()
         self._choose("open", QFileDialog.AcceptMode.AcceptOpen, OpenProgram)
 
     def _save_as(self) -> None:
         saves = QFileDialog.AcceptMode.AcceptSave
-        self._choose("save_as", saves, lambda file: WriteProgram(self.program.toPlainText(), file))
+        self._choose("save_as", saves, lambda file: WriteProgram(self._text, file))
 
     def _choose(self, name: str, mode: QFileDialog.AcceptMode, made: Callable[[Path], Intent]) -> None:
-        view = self._view
-        if view is not None:
-            self.choose_file(
-                self._texts(f"code.{name}"), mode, "py", made, folder=(view.file or view.folder / "x").parent
-            )
+        if (view := self._view) is not None:
+            folder = view.folder if view.file is None else view.file.parent
+            self.choose_file(self._texts(f"code.{name}"), mode, "py", made, folder=folder)
 
     def _edit_elsewhere(self) -> None:
         """Open the file in the editor of the system."""
-        file = None if self._view is None else self._view.file
-        if file is None:
-            return
-        self._write()
+        file = str(self._view and self._view.file)
         if sys.platform == "win32":
             os.startfile(file, "edit")  # noqa: S606 - the usual action would run it
-        elif not QDesktopServices.openUrl(QUrl.fromLocalFile(str(file))):
-            self.message.setText(self._texts("code.no_editor", file=str(file)))
+        elif not QDesktopServices.openUrl(QUrl.fromLocalFile(file)):
+            self.message.setText(self._texts("code.no_editor", file=file))
