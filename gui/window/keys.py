@@ -23,7 +23,7 @@ from gui.window.widgets.controls import Sheet, label, plain_button, spaced
 STOP_KEYS = {Qt.Key.Key_Space, Qt.Key.Key_Escape, Qt.Key.Key_Pause}
 SEND_KEYS = {Qt.Key.Key_Return, Qt.Key.Key_Enter}
 PAGES = {Qt.Key.Key_F1: "help", Qt.Key.Key_F2: "page", Qt.Key.Key_F11: "projector"}
-SHEET = ("stop", "send", "pad", "yaw", "press", "undo", "record", "class", "projector", "tab", "help")
+SHEET = ("stop", "code", "send", "pad", "yaw", "press", "undo", "record", "class", "projector", "tab", "help")
 
 
 class Keys(QObject):

@@ -61,6 +61,8 @@ class CodePanel(FilePanel):
             self._text = view.text
             self.program.show_text(view.text, same_file=old is not None and old.file == view.file)
             self._shown = self.program.toPlainText()
+            if view.file is None:  # so that new lines are visible
+                self.program.moveCursor(QTextCursor.MoveOperation.End)
         if old is not None and old.opens != view.opens:
             self.opened.emit()
         self.run.show_view(view.run)
