@@ -17,7 +17,7 @@ from recording_link import RecordingLink
 from beatrix_zenoh.contract._generated.messages import Detail, Reason
 from gui.console.link.editor import LOOK_S, Editor
 from gui.console.state.actions import (
-    EXAMPLES,
+    FOLLOW,
     Action,
     EndProgram,
     OpenProgram,
@@ -31,7 +31,6 @@ from gui.console.state.world import CodeProgress, ProgramProgress, Trouble, Worl
 from gui.window.widgets.code_editor import PythonEditor
 from gui.window.window import Window
 
-SHIPPED = EXAMPLES / "follow_the_face.py"
 PRESSES, MINE = Path("/home/ana/beatrix-programs/presses.py"), Path("/home/ana/mine.py")
 
 
@@ -43,11 +42,11 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_a_change_never_overwrites_presses_or_shipped_programs(folder: Path) -> None:
-    before, presses = SHIPPED.read_text(encoding="utf-8"), folder / "presses.py"
+    before, presses = FOLLOW.read_text(encoding="utf-8"), folder / "presses.py"
     for opened, name in (
         (None, "program-1.py"),
         (None, "program-2.py"),
-        (SHIPPED, "follow_the_face-1.py"),
+        (FOLLOW, "follow_the_face-1.py"),
         (presses, "program-3.py"),
     ):
         editor = Editor()
@@ -58,7 +57,7 @@ def test_a_change_never_overwrites_presses_or_shipped_programs(folder: Path) -> 
             editor.write(WriteProgram(text))
         assert (editor.progress(0.0).file, editor.progress(0.0).text) == (folder / name, name)
         assert (folder / name).read_text(encoding="utf-8") == name
-    assert SHIPPED.read_text(encoding="utf-8") == before
+    assert FOLLOW.read_text(encoding="utf-8") == before
     assert presses.read_text(encoding="utf-8") == "of the presses"
 
 

@@ -10,16 +10,14 @@ from pytestqt.qtbot import QtBot
 
 from beatrix_zenoh.client.choreography import GESTURES
 from gui.console.state import gestures
-from gui.console.state.actions import EXAMPLES, NEW, OpenProgram, Play
-from gui.console.state.gestures import FOLLOW, RunExample
+from gui.console.state.actions import FOLLOW, NEW, OpenProgram, Play
+from gui.console.state.gestures import RunExample
 from gui.console.state.intents import Intent, Theme
 from gui.console.state.memory import Memory
 from gui.console.state.saved import Choices
 from gui.console.state.world import ProgramProgress
 from gui.console.texts import Texts
 from gui.window.widgets.gestures import GesturesPanel, PictureButton
-
-FILE = EXAMPLES / "follow_the_face.py"
 
 
 @pytest.fixture
@@ -43,7 +41,7 @@ def test_each_button_reports_its_intent(panel: GesturesPanel) -> None:
     for button in buttons(panel):
         QTest.mouseClick(button, Qt.MouseButton.LeftButton)
     plays = (Play(NEW, (), gesture=name) for name in GESTURES)
-    assert given == [*plays, RunExample(FOLLOW), OpenProgram(FILE)]
+    assert given == [*plays, RunExample(FOLLOW), OpenProgram(FOLLOW)]
 
 
 def test_every_gesture_has_a_picture_of_its_own(panel: GesturesPanel) -> None:
@@ -56,7 +54,7 @@ def test_every_gesture_has_a_picture_of_its_own(panel: GesturesPanel) -> None:
 
 
 def test_the_running_program_is_shown(panel: GesturesPanel) -> None:
-    panel.show_view(gestures.view(Memory(Choices()), world(program=ProgramProgress(FILE, running=True))))
+    panel.show_view(gestures.view(Memory(Choices()), world(program=ProgramProgress(FOLLOW, running=True))))
     assert (panel.follow.text(), panel.follow.property("running")) == ("End", "yes")
     assert "follows the face" in panel.note.text()
     panel.show_view(gestures.view(Memory(Choices()), world()))

@@ -8,12 +8,10 @@ from present import present
 
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.choreography import GESTURES
-from gui.console.state.actions import EXAMPLES, EndProgram, Play, RunProgram
-from gui.console.state.gestures import FOLLOW, RunExample
+from gui.console.state.actions import FOLLOW, EndProgram, Play, RunProgram
+from gui.console.state.gestures import RunExample
 from gui.console.state.intents import Choose, Intent
 from gui.console.state.world import ProgramProgress, World
-
-SHIPPED = EXAMPLES / "follow_the_face.py"
 
 
 def seeing(side: str, **fields: bool | str) -> RobotState:
@@ -26,7 +24,7 @@ def faces(*, sim: bool = True, hw: bool = False, running: bool = False) -> World
     return world(
         seeing("sim") if sim else robot("sim"),
         seeing("hw") if hw else robot("hw"),
-        program=ProgramProgress(SHIPPED, running),
+        program=ProgramProgress(FOLLOW, running),
     )
 
 
@@ -67,7 +65,7 @@ def test_the_hardware_sees_if_it_moves_and_has_an_eye(
     given: tuple[Intent, ...], now: World, sides: tuple[str, ...]
 ) -> None:
     state = state_after(*given)
-    assert state.handle(RunExample(FOLLOW), now) == [RunProgram(1, SHIPPED, sides)]
+    assert state.handle(RunExample(FOLLOW), now) == [RunProgram(1, FOLLOW, sides)]
 
 
 @pytest.mark.parametrize(

@@ -163,7 +163,8 @@ class EndBlocks(Action, frozen=True):
 
 
 EXAMPLES: Final = Path(str(resources.files("beatrix_zenoh"))) / "examples"
-"""The folder of the shipped programs."""
+FOLLOW: Final = EXAMPLES / "follow_the_face.py"
+"""The folder of the shipped programs, and those with a button."""
 
 
 class RunProgram(Action, frozen=True):
@@ -173,11 +174,6 @@ class RunProgram(Action, frozen=True):
     file: Path
     sides: tuple[str, ...] = ()
     """its arguments; the simulated person walks if the first is `sim`"""
-
-    @property
-    def example(self) -> str:
-        """Name of the shipped program; empty: it is one of the user."""
-        return self.file.stem if self.file.parent == EXAMPLES else ""
 
 
 class EndProgram(Action, frozen=True):

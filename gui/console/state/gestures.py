@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from msgspec import structs
 
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.choreography import GESTURES
 from gui.console.state import refusals
-from gui.console.state.actions import EXAMPLES, NEW, POSES, Action, EndProgram, OpenProgram, Play, RunProgram
+from gui.console.state.actions import FOLLOW, NEW, POSES, Action, EndProgram, OpenProgram, Play, RunProgram
 from gui.console.state.intents import Intent
 from gui.console.state.memory import Handles, Memory, begin, lead_of, unreachable
 from gui.console.state.views import ButtonView, GesturesView, button
@@ -16,8 +18,6 @@ from gui.console.texts import Texts
 
 CONTROL, FILES = "gestures", "commands"
 """controls of gestures, and of files to play"""
-FOLLOW = "follow_the_face"
-"""The shipped program that follows a face."""
 EYE = "left"
 """The eye with which the shipped program sees."""
 TEST_PICTURE = "pattern"
@@ -27,21 +27,21 @@ TEST_PICTURE = "pattern"
 class RunExample(Intent, frozen=True):
     """Run a shipped program that sees, with the checked robots."""
 
-    name: str
+    file: Path
 
 
 def view(memory: Memory, world: World) -> GesturesView:
     """Return the buttons, and the refusal of one of them."""
-    texts, file = memory.choices.texts, EXAMPLES / f"{FOLLOW}.py"
+    texts = memory.choices.texts
     off = "" if memory.choices.sides else "off.unchecked"
     follow = button(texts, "gesture.follow", RunExample(FOLLOW), off)
-    if runs := world.program.runs(file):  # it can always be ended
+    if runs := world.program.runs(FOLLOW):  # it can always be ended
         follow = button(texts, "gesture.end", EndProgram())
     return GesturesView(
         gestures=tuple((name, _gesture(name, off, texts)) for name in GESTURES),
         follow=follow,
         following=runs,
-        open=button(texts, "gesture.open", OpenProgram(file)),
+        open=button(texts, "gesture.open", OpenProgram(FOLLOW)),
         note=texts("gesture.following") if runs else "",
         refusal=refusals.at(memory, (CONTROL,)),
     )
@@ -74,9 +74,7 @@ def run_example(memory: Memory, world: World, intent: RunExample) -> list[Action
     if not seeing:
         return memory.refuse(CONTROL, "cannot.no_eye" if len(sides) == 1 else "cannot.no_eyes")
     others = tuple(side for side in sides if side != seeing[0])
-    return begin(
-        memory, world, RunProgram(NEW, EXAMPLES / f"{intent.name}.py", (seeing[0], *others)), CONTROL
-    )
+    return begin(memory, world, RunProgram(NEW, intent.file, (seeing[0], *others)), CONTROL)
 
 
 def sees(robot: RobotState) -> bool:

@@ -206,8 +206,10 @@ def what(row: RequestRow, texts: Texts) -> str:
             key = f"what.{verb}_all" if everywhere else f"what.{verb}"
         case actions.AskLease(action=action):
             key = other_seats.WHATS[action.value]
-        case actions.RunProgram(file=file, example=example):
-            key, slots = (f"what.{example}", {}) if example else ("what.program", {"title": file.name})
+        case actions.RunProgram(file=actions.FOLLOW):
+            key = "what.follow_face"
+        case actions.RunProgram(file=file):
+            key, slots = "what.program", {"title": file.name}
         case actions.RunBlocks():
             key = "what.blocks"
         case actions.WriteFile(file=file):
