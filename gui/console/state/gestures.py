@@ -42,7 +42,6 @@ def view(memory: Memory, world: World) -> GesturesView:
         follow=follow,
         following=runs,
         open=button(texts, "gesture.open", OpenProgram(FOLLOW)),
-        note=texts("gesture.following") if runs else "",
         refusal=refusals.at(memory, (CONTROL,)),
     )
 

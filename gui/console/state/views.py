@@ -243,8 +243,6 @@ class GesturesView:
     follow: ButtonView
     following: bool
     open: ButtonView
-    note: str
-    """what runs; empty: nothing does"""
     refusal: RefusalView | None = None
 
 

@@ -14,7 +14,7 @@ from gui.console.state.intents import Intent, Theme
 from gui.console.state.views import ButtonView, GesturesView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import ElidedLabel, Panel, set_role, spaced
+from gui.window.widgets.controls import Panel, set_role, spaced
 from gui.window.widgets.head3d_paint import painted
 
 PICTURE_PX = 26
@@ -69,13 +69,12 @@ def drawn(name: str, side: int, ratio: float, colours: tuple[str, str, str]) -> 
 
 
 class GesturesPanel(Panel):
-    """A button for each gesture; after them the program that follows a face, and a note about it."""
+    """A button for each gesture; after them the program that follows a face."""
 
     def __init__(self, texts: Texts) -> None:
         super().__init__()
         self.buttons = {name: PictureButton(name) for name in GESTURES}
         self.follow, self.open = PictureButton("follow"), PictureButton("program")
-        self.note = ElidedLabel("dim", 0)
         self.setAccessibleName(texts("label.gestures"))
         self._all = (*self.buttons.values(), self.follow, self.open)
         grid = spaced(QGridLayout(self), 3, (3, 3, 3, 3))
@@ -83,7 +82,6 @@ class GesturesPanel(Panel):
         for number, button in enumerate(self._all):
             grid.addWidget(button, *divmod(number, COLUMNS))
             grid.setRowStretch(number // COLUMNS, 1)
-        grid.addWidget(self.note, grid.rowCount(), 0, 1, COLUMNS)
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
@@ -110,6 +108,4 @@ class GesturesPanel(Panel):
         self.follow.show_view(view.follow)
         self.open.show_view(view.open)
         set_role(self.follow, "running", "yes" if view.following else "")
-        self.note.setText(view.note)
         self._show_names()
-        self.note.setVisible(bool(view.note))
