@@ -83,12 +83,17 @@ class ProgramRun(Program):
         with walking(settings) if sides[:1] == ("sim",) else contextlib.nullcontext():
             self.check()
             words = ("--program", str(self._action.file), *sides)
-            with processes.start_child(words, subprocess.PIPE, environment) as child:
+            try:
+                child = processes.start_child(words, subprocess.PIPE, environment)
+            except OSError as error:
+                raise WindowError(Reason.BAD_VALUE, "result.program_failed", text=str(error)) from error
+            with child, contextlib.ExitStack() as ends:
+                ends.callback(processes.end, child, END_S)
                 reader = threads.start(lambda: self._read(child), "output-of-program")
                 report(accepted(self.row, self.side, "Started.", 0.0))
                 while child.poll() is None and not self.ends:
                     time.sleep(processes.POLL_S)
-                processes.end(child, END_S)
+                ends.close()
                 reader.join(END_S)
         if child.returncode and not self.ends:
             raise self._failure(child.returncode)
