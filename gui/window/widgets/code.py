@@ -19,9 +19,6 @@ from gui.window.widgets.code_editor import PythonEditor
 from gui.window.widgets.controls import ElidedLabel, in_column, in_row, label, named, plain_button, set_role
 from gui.window.widgets.files import FilePanel
 
-OUTPUT_PX = 90
-"""Largest height of the output."""
-
 
 class CodePanel(FilePanel):
     """The editor, its file, and the output below it."""
@@ -42,7 +39,6 @@ class CodePanel(FilePanel):
         self.output = named(QPlainTextEdit(), texts("code.output"), "")
         self.output.setReadOnly(True)
         self.output.setFont(self.program.font())
-        self.output.setMaximumHeight(OUTPUT_PX)
         menu = QMenu(self.file)
         menu.addAction(texts("code.from_presses"), lambda: self.intent.emit(OpenProgram()))
         menu.addAction(texts("code.open"), self._open)
@@ -50,7 +46,7 @@ class CodePanel(FilePanel):
         self.editor = menu.addAction(texts("code.editor"), self._edit_elsewhere)
         self.file.setMenu(menu)
         head = in_row(self.run, self.file, (self.title, 1), gap=4)
-        parts = (head, (self.program, 1), self.message, self.output)
+        parts = (head, (self.program, 3), self.message, (self.output, 1))
         in_column(*parts, gap=4, margins=(6, 6, 6, 6), inside=self)
         self.program.textChanged.connect(self._report)
 
