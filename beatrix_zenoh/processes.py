@@ -15,7 +15,7 @@ from collections.abc import Container, Iterator, Mapping, Sequence
 from enum import Enum
 from pathlib import Path
 from types import MappingProxyType
-from typing import Self
+from typing import IO, Self
 
 from beatrix_zenoh import bus as zbus
 from beatrix_zenoh import threads
@@ -61,12 +61,27 @@ def in_words(code: int) -> str:
         return f"exit code {code}"
 
 
-class Child:
-    """A `beatrix …` process whose output goes to a file.
+def start_child(
+    arguments: Sequence[str], output: IO[bytes] | int, environment: Mapping[str, str]
+) -> subprocess.Popen[bytes]:
+    """Start `beatrix …` with more variables; `output`: where it writes to, as for Popen.
 
     It has its own process group, so that Ctrl-C reaches only the parent. Its standard input is a pipe from the parent,
     so that it ends with the parent even if the parent is killed (see cli/__main__.py).
     """
+    return subprocess.Popen(
+        [sys.executable, "-P", "-m", "beatrix_zenoh.cli", "--with-parent", *arguments],
+        stdin=subprocess.PIPE,
+        stdout=output,
+        stderr=subprocess.STDOUT,
+        env=os.environ | dict(environment),
+        process_group=None if sys.platform == "win32" else 0,
+        creationflags=NEW_GROUP,
+    )
+
+
+class Child:
+    """A `beatrix …` process whose output goes to a file."""
 
     def __init__(
         self,
@@ -79,15 +94,7 @@ class Child:
         self.title, self.arguments, self.log, self.role = title, arguments, log, role
         self._reported = 0
         with log.open("wb") as output:
-            self._process = subprocess.Popen(
-                [sys.executable, "-P", "-m", "beatrix_zenoh.cli", "--with-parent", *arguments],
-                stdin=subprocess.PIPE,
-                stdout=output,
-                stderr=subprocess.STDOUT,
-                env=os.environ | dict(environment),
-                process_group=None if sys.platform == "win32" else 0,
-                creationflags=NEW_GROUP,
-            )
+            self._process = start_child(arguments, output, environment)
 
     @property
     def ready(self) -> bool:

@@ -12,6 +12,7 @@ from PyQt5.QtWidgets import (
     QDialog,
     QGridLayout,
     QLineEdit,
+    QPlainTextEdit,
     QWidget,
     qApp,
 )
@@ -24,6 +25,7 @@ SEND_KEYS = {Qt.Key.Key_Return, Qt.Key.Key_Enter}
 PAGES = {Qt.Key.Key_F1: "help", Qt.Key.Key_F2: "page", Qt.Key.Key_F11: "projector"}
 SHEET = (
     "stop",
+    "code",
     "send",
     "pad",
     "yaw",
@@ -77,7 +79,7 @@ class Keys(QObject):
         return False
 
     def _press(self, event: QKeyEvent) -> bool:
-        act = self._action(event)
+        act = None if typed(event) else self._action(event)
         if act is None:
             return False
         event.accept()
@@ -134,6 +136,14 @@ class Keys(QObject):
             return False
         self._stop()
         return True
+
+
+def typed(event: QKeyEvent) -> bool:
+    """Return whether a key is typed into a program: Space, or Ctrl+Z."""
+    focus, undoes = QApplication.focusWidget(), event.modifiers() & Qt.KeyboardModifier.ControlModifier
+    if QApplication.activePopupWidget() is not None or not isinstance(focus, QPlainTextEdit):
+        return False
+    return not focus.isReadOnly() and event.key() == (Qt.Key.Key_Z if undoes else Qt.Key.Key_Space)
 
 
 class KeySheet(Sheet):

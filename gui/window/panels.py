@@ -17,13 +17,14 @@ from gui.window.keys import KeySheet
 from gui.window.theme import style_of
 from gui.window.widgets.arms import ArmsPanel
 from gui.window.widgets.class_page import ClassPage
+from gui.window.widgets.code import CodePanel
 from gui.window.widgets.controls import NO_MARGINS, ChoiceCheck, Panel, filled, spaced
 from gui.window.widgets.eyes import EyesPanel
 from gui.window.widgets.gestures import GesturesPanel
 from gui.window.widgets.head import HeadPanel
 from gui.window.widgets.head3d import Head3d
 from gui.window.widgets.header import Header
-from gui.window.widgets.history import CodePanel, HistoryPanel
+from gui.window.widgets.history import HistoryPanel
 from gui.window.widgets.notices import Banner, ConnectSheet, RefusalNotice, TroubleNotice
 from gui.window.widgets.plots import PlotsPanel
 from gui.window.widgets.sending import CommandsPanel, SendingPanel, StopBar
@@ -178,6 +179,14 @@ class Panels(QWidget):
         self.gestures.shown.connect(
             lambda own: self.low_area.setCurrentWidget(self.gestures if own else self.sequence)
         )
+        self.code.opened.connect(self._show_code)
+
+    def _show_code(self) -> None:
+        if self._simple and not self._drawer:
+            self.intent.emit(Choose("drawer", value=True))
+        for tabs in (self.tabs, self.side):
+            if tabs.indexOf(self.code) >= 0:
+                tabs.setCurrentWidget(self.code)
 
     def _report_tab(self, number: int) -> None:
         if 0 <= number < len(Tab):

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 from gui_worlds import world
 from PyQt5.QtCore import Qt
@@ -12,16 +10,15 @@ from pytestqt.qtbot import QtBot
 
 from beatrix_zenoh.client.choreography import GESTURES
 from gui.console.state import gestures
-from gui.console.state.actions import FOLLOW, NEW, TURN, FollowFace, Play, WriteFile
+from gui.console.state.actions import FOLLOW, NEW, TURN, OpenProgram, Play
+from gui.console.state.gestures import RunExample
 from gui.console.state.intents import Intent, Theme
 from gui.console.state.memory import Memory
 from gui.console.state.saved import Choices
-from gui.console.state.world import FaceProgress
+from gui.console.state.world import ProgramProgress
 from gui.console.texts import Texts
 from gui.window.widgets.gestures import GesturesPanel
 from gui.window.widgets.picture_button import PictureButton
-
-OWN = Path("/home/ana/beatrix-programs/follow_the_face.py")
 
 
 @pytest.fixture
@@ -29,7 +26,7 @@ def panel(qtbot: QtBot) -> GesturesPanel:
     made = GesturesPanel(Texts("en"))
     qtbot.addWidget(made)
     made.show_theme(Theme.LIGHT)
-    made.show_view(gestures.view(Memory(Choices()), world(face=FaceProgress(own_file=OWN))))
+    made.show_view(gestures.view(Memory(Choices()), world()))
     made.resize(420, 122)
     made.show()
     return made
@@ -45,8 +42,7 @@ def test_each_button_reports_its_intent(panel: GesturesPanel) -> None:
     for button in buttons(panel):
         QTest.mouseClick(button, Qt.MouseButton.LeftButton)
     plays = (Play(NEW, (), gesture=name) for name in GESTURES)
-    programs = (FollowFace(NEW, (), program) for program in (FOLLOW, TURN))
-    assert given == [*plays, *programs, WriteFile(NEW, OWN, Path())]
+    assert given == [*plays, RunExample(FOLLOW), RunExample(TURN), OpenProgram(FOLLOW)]
 
 
 def test_every_gesture_has_a_picture_of_its_own(panel: GesturesPanel) -> None:
@@ -58,12 +54,9 @@ def test_every_gesture_has_a_picture_of_its_own(panel: GesturesPanel) -> None:
     assert len(seen) == len(buttons(panel))
 
 
-def test_the_running_program_is_shown_with_its_file_and_its_last_line(panel: GesturesPanel) -> None:
-    face = FaceProgress(running=True, file=OWN, own_file=OWN, line="ValueError: no face")
-    panel.show_view(gestures.view(Memory(Choices()), world(face=face)))
+def test_the_running_program_is_shown(panel: GesturesPanel) -> None:
+    panel.show_view(gestures.view(Memory(Choices()), world(program=ProgramProgress(FOLLOW, running=True))))
     assert (panel.follow.text(), panel.follow.property("running")) == ("End", "yes")
-    assert str(OWN) in panel.note.text()
-    assert "ValueError: no face" in panel.follow.toolTip()
     panel.show_view(gestures.view(Memory(Choices()), world()))
     follow = panel.follow
-    assert (follow.text(), follow.property("running"), panel.note.text()) == ("Follow", "", "")
+    assert (follow.text(), follow.property("running")) == ("Follow", "")

@@ -52,7 +52,7 @@ def test_a_stop_that_a_motion_may_overtake_is_sent_again(
     if isinstance(action, Hold):
         moving.hold(action, MagicMock(hw=robot))
     else:
-        moving.request(action, MagicMock(hw=robot), MagicMock())
+        moving.request(action, MagicMock(hw=robot))
     until(lambda: stops == [("bea", "hw")], "STOP is sent again")
 
 

@@ -1,4 +1,4 @@
-"""The program so far: what the state puts into it, and the pane that shows it."""
+"""The program of the presses: what the state puts into it."""
 
 from __future__ import annotations
 
@@ -9,9 +9,6 @@ import pytest
 from gui_worlds import BOTH, accept, state_after, world
 from hypothesis import given
 from hypothesis import strategies as st
-from present import present
-from PyQt5.QtGui import QGuiApplication
-from PyQt5.QtWidgets import QFileDialog
 
 from beatrix_zenoh.contract._generated.messages import Command, Reason
 from gui.console.state import intents
@@ -19,7 +16,6 @@ from gui.console.state.actions import MakeReady, Outcome, Play
 from gui.console.state.intents import AimHead, Intent, Jog, PlaySequence, RunCommand, SendHead
 from gui.console.state.saved import Saved, SavedPose
 from gui.console.state.state import State
-from gui.window.window import Window
 
 JOG, HOME = "twin.sim.move(5, 0, 0, relative=True, speed=30)", "twin.sim.move(0, 0, 0, speed=30)"
 
@@ -32,15 +28,15 @@ def ended(state: State, row: int, reason: Reason, *, accepted: bool = True) -> N
 
 
 def code(state: State) -> list[str]:
-    return [line.strip() for line in state.view(world()).code.splitlines()]
+    return [line.strip() for line in state.view(world()).code.text.splitlines()]
 
 
 def test_the_program_grows_line_by_line() -> None:
     state = state_after(Jog("short", 1), RunCommand(Command.HOME))
-    program = state.view(world()).code
+    program = state.view(world()).code.text
     assert program.endswith(f'with Twin("bea1") as twin:\n    {JOG}\n    {HOME}\n')
     state.handle(Jog("short", 1), world())
-    assert state.view(world()).code.startswith(program)
+    assert state.view(world()).code.text.startswith(program)
 
 
 @pytest.mark.parametrize(
@@ -78,7 +74,7 @@ def test_a_loop_is_played_once() -> None:
     (play,) = state.handle(PlaySequence("sim"), world())
     assert isinstance(play, Play)
     ended(state, play.row, Reason.STOPPED)
-    text = state.view(world()).code
+    text = state.view(world()).code.text
     assert (text.count("play(twin.sim"), text.count("ArmPose("), "while" in text) == (1, 3, False)
 
 
@@ -115,30 +111,6 @@ def test_every_history_is_a_program(history: list[tuple[Intent, Reason | None]])
                 ended(state, row, reason)
             if row and reason in (Reason.OK, None):
                 calls.append(row)
-    tree = ast.parse(state.view(world()).code)
+    tree = ast.parse(state.view(world()).code.text)
     (block,) = [node for node in tree.body if isinstance(node, ast.With)]
     assert len(block.body) <= max(1, len({*calls})), "a row is one statement"
-
-
-# -- the pane ---------------------------------------------------------------------------------------
-
-
-@pytest.fixture
-def pane(window: Window) -> Window:
-    for intent in (Jog("short", 1), Jog("middle", 1), RunCommand(Command.HOME)):
-        window.handle(intent)
-    window.refresh()
-    window.panels.side.setCurrentWidget(window.panels.code)
-    return window
-
-
-def test_the_program_is_copied_and_saved(pane: Window, tmp_path: Path, state: State) -> None:
-    code = pane.panels.code
-    code.copy.click()
-    assert present(QGuiApplication.clipboard()).text() == state.view(world()).code
-    code.save.click()
-    dialog = present(code.dialog)
-    assert dialog.acceptMode() == QFileDialog.AcceptMode.AcceptSave
-    dialog.fileSelected.emit(str(tmp_path / "mine.py"))
-    dialog.close()
-    assert "save mine.py" in state.view(world()).last

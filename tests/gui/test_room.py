@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 from gui_worlds import absent, robot, world
@@ -20,12 +19,12 @@ from pytestqt.qtbot import QtBot
 from gui.console.state.actions import TURN, LetSpeak, MovePerson, WatchCameras, WatchPerson
 from gui.console.state.intents import Choose, Intent, Tab, Theme
 from gui.console.state.state import State
-from gui.console.state.world import FaceProgress, Person
+from gui.console.state.world import Person, ProgramProgress
 from gui.console.texts import Texts
 from gui.window.widgets.head3d_room import NEAREST, REACH, Floor, Room
 
 PERSON = Person(1.0, 0.5, 0.16)
-RUNS = FaceProgress(running=True, file=Path(TURN), sides=("hw", "sim"))
+RUNS = ProgramProgress(TURN, running=True, sides=("hw", "sim"))
 HIDDEN = [WatchCameras(frozenset()), WatchPerson(on=False)]
 
 
@@ -44,7 +43,7 @@ def test_the_room_is_received_exactly_while_it_is_visible() -> None:
 
 
 def test_a_program_shows_the_room_with_its_own_eye_until_it_ends() -> None:
-    state, runs = State(), world(face=RUNS)
+    state, runs = State(), world(program=RUNS)
     assert state.follow(runs) == shown("hw")
     assert state.follow(runs) == []
     assert present(state.view(runs).room).eye.side == "hw"
@@ -53,7 +52,7 @@ def test_a_program_shows_the_room_with_its_own_eye_until_it_ends() -> None:
 
 def test_nobody_is_looked_for_without_a_simulation() -> None:
     state = State()
-    assert WatchPerson(on=True) not in state.follow(world(absent("sim"), robot("hw"), face=RUNS))
+    assert WatchPerson(on=True) not in state.follow(world(absent("sim"), robot("hw"), program=RUNS))
 
 
 @given(

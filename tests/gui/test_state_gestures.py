@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 from gui_worlds import BOTH, NOT_SIM, camera, robot, state_after, status, world
 from present import present
 
 from beatrix_zenoh.client import RobotState
 from beatrix_zenoh.client.choreography import GESTURES
-from beatrix_zenoh.contract._generated.messages import Reason
-from gui.console.state.actions import FOLLOW, EndFollowing, FollowFace, Outcome, Play
+from gui.console.state.actions import FOLLOW, EndProgram, Play, RunProgram
+from gui.console.state.gestures import RunExample
 from gui.console.state.intents import Choose, Intent
-from gui.console.state.state import State
-from gui.console.state.world import FaceProgress, World
-
-SHIPPED, OWN = Path("shipped/follow_the_face.py"), Path("beatrix-programs/follow_the_face.py")
+from gui.console.state.world import ProgramProgress, World
 
 
 def seeing(side: str, **fields: bool | str) -> RobotState:
@@ -24,12 +19,12 @@ def seeing(side: str, **fields: bool | str) -> RobotState:
     return robot(side, known=status(side, cameras=(camera("left", **fields), camera("right", **fields))))
 
 
-def faces(*, sim: bool = True, hw: bool = False, running: bool = False, file: Path = SHIPPED) -> World:
+def faces(*, sim: bool = True, hw: bool = False, running: bool = False) -> World:
     """Return a world with robots that see, and the program that follows a face."""
     return world(
         seeing("sim") if sim else robot("sim"),
         seeing("hw") if hw else robot("hw"),
-        face=FaceProgress(running, file, OWN, "ValueError: no"),
+        program=ProgramProgress(FOLLOW, running),
     )
 
 
@@ -70,7 +65,7 @@ def test_the_hardware_sees_if_it_moves_and_has_an_eye(
     given: tuple[Intent, ...], now: World, sides: tuple[str, ...]
 ) -> None:
     state = state_after(*given)
-    assert state.handle(FollowFace(0, ()), now) == [FollowFace(1, sides)]
+    assert state.handle(RunExample(FOLLOW), now) == [RunProgram(1, FOLLOW, sides)]
 
 
 @pytest.mark.parametrize(
@@ -85,14 +80,14 @@ def test_the_hardware_sees_if_it_moves_and_has_an_eye(
 )
 def test_a_robot_without_a_working_eye_follows_no_face(given: tuple[Intent, ...], now: World) -> None:
     state = state_after(*given)
-    assert state.handle(FollowFace(0, ()), now) == []
+    assert state.handle(RunExample(FOLLOW), now) == []
     assert "eye" in present(state.view(now).gestures.refusal).text
 
 
 def test_the_panel_says_that_the_program_runs() -> None:
     state = state_after(BOTH)
     idle = state.view(faces()).sending
-    state.handle(FollowFace(0, ()), faces())
+    state.handle(RunExample(FOLLOW), faces())
     sending = state.view(faces(running=True)).sending
     assert (sending.title, "STOP" in sending.text) == ("Following", True)
     assert state.view(faces()).sending == idle
@@ -103,16 +98,4 @@ def test_a_second_press_ends_the_program_even_if_no_robot_is_checked() -> None:
     state.follow(now)
     view = state.view(now).gestures
     assert (view.running, view.follow.enabled, view.turn.text) == (FOLLOW, True, "Listen")
-    assert state.handle(view.follow.intent, now) == [EndFollowing()]
-
-
-def test_a_failed_program_is_a_sentence_and_its_last_line_a_detail() -> None:
-    state, now = State(), faces()
-    state.handle(FollowFace(0, ()), now)
-    reason = Reason.BAD_VALUE
-    state.report(Outcome(1, "", accepted=True, done=False))
-    state.report(Outcome(1, "", accepted=False, done=True, reason=reason, key="result.program_failed"))
-    view = state.view(now)
-    assert "failed" in view.history[0].result
-    assert "ValueError" not in view.history[0].result + view.last
-    assert "ValueError" in view.gestures.details
+    assert state.handle(view.follow.intent, now) == [EndProgram()]

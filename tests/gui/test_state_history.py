@@ -109,7 +109,7 @@ def test_a_row_is_copied_as_python(given: tuple[Intent, ...], python: str) -> No
 
 def code(*given: Intent, now: World | None = None) -> str:
     """Return the program so far after these presses."""
-    return state_after(*given, now=now).view(now or world()).code
+    return state_after(*given, now=now).view(now or world()).code.text
 
 
 def plain(kind: type) -> type:

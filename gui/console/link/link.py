@@ -17,6 +17,7 @@ from gui.console.link.block_run import BlockRun
 from gui.console.link.children import HARDWARE, SIMULATION, Children, Ports, Recordings
 from gui.console.link.choreographies import Playing
 from gui.console.link.connection import PROBE_S, PROBE_SHARED_S, Connection, Probe, Session
+from gui.console.link.editor import Editor
 from gui.console.link.filming import Filming
 from gui.console.link.governing import LessonReports, robots_online, send_govern
 from gui.console.link.jobs import Jobs
@@ -71,6 +72,7 @@ class Link:
             settings, jobs, self._follow, name_given=name_given, source=source, shared=shared
         )
         self.moving = Moving(jobs, report)
+        self._editor = Editor()
         self._stop_sender = StopSender("window")
         self._lessons, self._gestures = LessonReports(jobs), OwnGestures(jobs, report)
         period_s = PROBE_S if shared is None else PROBE_SHARED_S
@@ -137,7 +139,8 @@ class Link:
             blocks_run=blocks is not None,
             block="" if blocks is None else blocks.block,
             gestures=self._gestures.newest(now_s),
-            face=moving.face.progress(program),
+            program=moving.python(now_s),
+            code=self._editor.progress(now_s),
             wall_s=time.time(),
             session="" if session is None else session.client.bus.session_id,
             limits=self._probes["sim"].limits(robot) or self._probes["hw"].limits(robot),
@@ -156,7 +159,7 @@ class Link:
     def _carrying_out(self) -> Mapping[type[Action], Callable[[Never], None]]:
         """Return what carries out the actions of each class."""
         moving, connection, children, online = self.moving, self._connection, self._children, self._online
-        motions = (actions.Send, actions.Play, actions.RunBlocks, actions.FollowFace)
+        motions = (actions.Send, actions.Play, actions.RunBlocks)
         requests = (*motions, actions.SendCommand, actions.AskLease, actions.MakeReady)
         return {
             **dict.fromkeys(requests, online(self._request)),
@@ -186,7 +189,10 @@ class Link:
             actions.UseRouter: self._routers.choose,
             actions.UseAccount: self._routers.choose,
             actions.EndBlocks: lambda _: moving.end_blocks(),
-            actions.EndFollowing: lambda _: moving.end_following(),
+            actions.RunProgram: self._run,
+            actions.EndProgram: lambda _: moving.end_program(),
+            actions.OpenProgram: self._editor.open,
+            actions.WriteProgram: self._editor.write,
             actions.WriteFile: self._write,
             actions.KeepGesture: self._gestures.keep,
             **dict.fromkeys((actions.ShareGesture, actions.FetchGestures), online(self._gestures.exchange)),
@@ -220,8 +226,11 @@ class Link:
 
     def _request(self, action: RobotAction, session: Session) -> None:
         """Carry out an action that robots answer."""
-        settings = replace(self._connection.settings, robot=session.twin.name)
-        self.moving.request(action, session.twin, settings)
+        self.moving.request(action, session.twin)
+
+    def _run(self, action: actions.RunProgram) -> None:
+        settings = replace(self._connection.settings, robot=self._connection.robot)
+        self.moving.run_program(action, settings)
 
     # -- STOP ---------------------------------------------------------------------------------------
 

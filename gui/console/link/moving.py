@@ -23,11 +23,11 @@ from gui.console.link.jobs import Jobs
 from gui.console.link.jogging import Held
 from gui.console.link.outcomes import WindowError, done, failed, replaced
 from gui.console.link.person import SimulatedPerson
-from gui.console.link.programs import FaceProgram, Following
+from gui.console.link.programs import ProgramRun
 from gui.console.link.request import OneMotion, Program, Question, Report, RobotRequest, TwinMotionRequest
 from gui.console.state import actions
 from gui.console.state.actions import Outcome
-from gui.console.state.world import PlanProgress
+from gui.console.state.world import PlanProgress, ProgramProgress
 
 PROGRAM_S: Final = 2.0
 """Longest time that a motion waits for the end of a program that it replaces."""
@@ -38,7 +38,6 @@ RobotAction = (
     | actions.SendCommand
     | actions.AskLease
     | actions.MakeReady
-    | actions.FollowFace
 )
 """Actions that robots of the shown name answer."""
 
@@ -49,7 +48,9 @@ class Moving:
     def __init__(self, jobs: Jobs, report: Report) -> None:
         """Store the arguments; `report` is called with the outcomes of requests."""
         self._jobs, self._report = jobs, report
-        self.face, self.person = FaceProgram(), SimulatedPerson(jobs)
+        self.person = SimulatedPerson(jobs)
+        self._python: ProgramRun | None = None
+        """the program of Python that was started last"""
         self._lock = threading.Lock()
         self._requests: list[RobotRequest] = []
         """those that wait or are under way, the oldest first"""
@@ -72,14 +73,18 @@ class Moving:
 
     @property
     def program(self) -> Program | None:
-        """The newest play, program of blocks, or run of the program that follows a face."""
+        """The newest play, program of blocks, or program of Python."""
         programs = [request for request in self._requests.copy() if isinstance(request, Program)]
         return programs[-1] if programs else None
 
+    def python(self, now_s: float) -> ProgramProgress:
+        """Return how far the newest program of Python is, at a time (monotonic clock, s)."""
+        return ProgramProgress() if self._python is None else self._python.progress(now_s)
+
     # -- actions ------------------------------------------------------------------------------------
 
-    def request(self, action: RobotAction, twin: Twin, settings: Settings) -> None:
-        """Carry out an action; programs get the robot, the router and the seat of the settings."""
+    def request(self, action: RobotAction, twin: Twin) -> None:
+        """Carry out an action."""
         sides = (action.side,) if isinstance(action, actions.MakeReady | actions.AskLease) else action.sides
         robots = robots_of(twin, sides)
         if not robots:
@@ -94,14 +99,17 @@ class Moving:
                 self._put(Playing(action, twin if len(robots) > 1 else robots[0]))
             case actions.RunBlocks():
                 self._put(BlockRun(action, twin if len(robots) > 1 else robots[0]))
-            case actions.FollowFace():
-                self._put(Following(action, settings, self.face, self.person))
             case actions.SendCommand(row=row, command=command, value=value):
                 self._ask(row, robots, lambda robot: robot.command(command, value=value).message)
             case actions.AskLease(row=row, action=asked):
                 self._ask(row, robots, lambda robot: lease.ask(robot, asked).message)
             case actions.MakeReady(row=row):
                 self._ask(row, robots, _make_ready)
+
+    def run_program(self, action: actions.RunProgram, settings: Settings) -> None:
+        """Run a program, which gets the robot, the router and the seat of the settings; it may need no robot."""
+        self._python = ProgramRun(action, settings, self.person)
+        self._put(self._python)
 
     def _ask(self, row: int, robots: tuple[Robot, ...], ask: Callable[[Robot], str]) -> None:
         for robot in robots:
@@ -131,10 +139,10 @@ class Moving:
         for plan in self._plans():
             self._end(plan, WindowError(Reason.STOPPED, "result.aborted"))
 
-    def end_following(self) -> None:
-        """End the program that follows a face, because the user wants it."""
-        if isinstance(program := self.program, Following):
-            program.end(None)
+    def end_program(self) -> None:
+        """End the program of Python, because the user wants it."""
+        if self._python is not None:
+            self._python.end(None)
 
     def end_blocks(self) -> None:
         """End the program of blocks, and stop the robots, because the user wants it."""

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 
 from beatrix_zenoh.client import Place
 from beatrix_zenoh.contract._generated.messages import Detail, Reason
@@ -60,11 +58,7 @@ def write(action: WriteFile) -> Outcome:
     """Write the file of an action, and return the outcome."""
     file, content = action.file, action.content
     try:
-        if not isinstance(content, Path):
-            file.write_bytes(content.encode() if isinstance(content, str) else content)
-        elif not file.exists():
-            file.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(content, file)
+        file.write_bytes(content.encode() if isinstance(content, str) else content)
     except OSError:
         return failed(action.row, "", WindowError(Reason.BAD_VALUE, "result.no_write", file=str(file)))
     return done(action.row, "", f"{file}: written.")

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from importlib import resources
 from pathlib import Path
 from typing import Final
 
@@ -160,21 +161,38 @@ class EndBlocks(Action, frozen=True):
     """End the program of blocks."""
 
 
-FOLLOW, TURN = "follow_the_face.py", "turn_to_the_sound.py"
-"""Shipped programs with a button."""
+EXAMPLES: Final = Path(str(resources.files("beatrix_zenoh"))) / "examples"
+FOLLOW: Final = EXAMPLES / "follow_the_face.py"
+TURN: Final = EXAMPLES / "turn_to_the_sound.py"
+"""The folder of the shipped programs, and those with a button."""
 
 
-class FollowFace(Action, frozen=True):
-    """Start a shipped program, or the user's copy of it, which follows a face or turns to a sound."""
+class RunProgram(Action, frozen=True):
+    """Run a Python program as a child process of the window."""
 
     row: int
-    sides: tuple[str, ...]
-    """the robots that move; the first one's left eye sees, or its ears hear"""
-    program: str = FOLLOW
+    file: Path
+    sides: tuple[str, ...] = ()
+    """its arguments; of a shipped program, the first one's left eye sees, or its ears hear"""
 
 
-class EndFollowing(Action, frozen=True):
-    """End the program of `FollowFace`."""
+class EndProgram(Action, frozen=True):
+    """End the program that runs."""
+
+
+class OpenProgram(Action, frozen=True):
+    """Show a program in the code panel."""
+
+    file: Path | None = None
+    """None: the program of the presses"""
+
+
+class WriteProgram(Action, frozen=True):
+    """Write what the user has typed."""
+
+    text: str
+    file: Path | None = None
+    """None: the file of the present program"""
 
 
 class MovePerson(Action, frozen=True):
@@ -202,8 +220,8 @@ class WriteFile(Action, frozen=True):
 
     row: int
     file: Path
-    content: str | bytes | Path
-    """text (UTF-8), a picture, or a file to copy unless the one to write exists"""
+    content: str | bytes
+    """text (UTF-8), or a picture"""
 
 
 class KeepGesture(Action, frozen=True):

@@ -8,6 +8,8 @@ from beatrix_zenoh.contract._generated.messages import CameraStatus
 from beatrix_zenoh.contract.names import EYES, SIDES
 from gui.console.state import pills
 from gui.console.state.actions import (
+    FOLLOW,
+    TURN,
     Action,
     LetSpeak,
     WatchCameras,
@@ -127,7 +129,7 @@ NOTHING: Final[tuple[Action, ...]] = (
 def shows_room(choices: Choices, world: World) -> bool:
     """Return whether the room is visible: beside the head, if its box is checked or a program runs."""
     heads = choices.page is WindowPage.ROBOT and choices.tab is Tab.HEADS
-    return heads and (choices.room or world.face.running)
+    return heads and (choices.room or any(map(world.program.runs, (FOLLOW, TURN))))
 
 
 def watched(choices: Choices, world: World) -> tuple[Action, ...]:
@@ -158,4 +160,6 @@ def room(memory: Memory, world: World) -> RoomView | None:
 def _side(world: World) -> str:
     """Return the robot whose eye is shown: that of the program, otherwise one that sees."""
     found = (side for side in SIDES if sees(world.side(side)))
-    return world.face.sides[0] if world.face.sides else next(found, SIDES[0])
+    program = world.program
+    runs = program.running and program.file in (FOLLOW, TURN)
+    return program.sides[0] if runs else next(found, SIDES[0])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from msgspec import structs
 
 from beatrix_zenoh.client import RobotState
@@ -13,11 +15,12 @@ from gui.console.state.actions import (
     POSES,
     TURN,
     Action,
-    EndFollowing,
-    FollowFace,
+    EndProgram,
+    OpenProgram,
     Play,
-    WriteFile,
+    RunProgram,
 )
+from gui.console.state.intents import Intent
 from gui.console.state.memory import Handles, Memory, begin, lead_of, unreachable
 from gui.console.state.views import ButtonView, GesturesView, button
 from gui.console.state.world import World
@@ -30,30 +33,31 @@ TESTS = ("pattern", "tone")
 """Sources of eyes and ears that never see or hear a person."""
 
 
+class RunExample(Intent, frozen=True):
+    """Run a shipped program that sees, with the checked robots."""
+
+    file: Path
+
+
 def view(memory: Memory, world: World) -> GesturesView:
     """Return the buttons, and the refusal of one of them."""
-    texts, face = memory.choices.texts, world.face
+    texts = memory.choices.texts
     off = "" if memory.choices.sides else "off.unchecked"
-    running = face.file.name if face.running else ""
     follow, turn = (
-        button(texts, "gesture.end", EndFollowing())  # it can always be ended
-        if program == running
-        else button(texts, key, FollowFace(NEW, (), program), off)
+        button(texts, "gesture.end", EndProgram())  # it can always be ended
+        if world.program.runs(program)
+        else button(texts, key, RunExample(program), off)
         for program, key in ((FOLLOW, "gesture.follow"), (TURN, "gesture.turn"))
     )
-    note = (
-        texts("gesture.following_own" if running else "gesture.own", file=str(face.file)) if face.own else ""
-    )
+    shown = TURN if world.program.file == TURN else FOLLOW
     return GesturesView(
         gestures=tuple((name, _gesture(name, off, texts)) for name in GESTURES),
         own=own_gestures.view(world, off, texts),
         fetch=own_gestures.fetch(world, texts),
         follow=follow,
         turn=turn,
-        running=running,
-        open=button(texts, "gesture.open", WriteFile(NEW, face.own_file, face.file), file=str(face.own_file)),
-        note=note,
-        details=texts("gesture.line", line=face.line) if face.line else "",
+        running=world.program.file if world.program.running else None,
+        open=button(texts, "gesture.open", OpenProgram(shown)),
         refusal=refusals.at(memory, (CONTROL,)),
     )
 
@@ -76,17 +80,17 @@ def play(memory: Memory, world: World, intent: Play) -> list[Action]:
     return begin(memory, world, request, CONTROL)
 
 
-def follow_face(memory: Memory, world: World, intent: FollowFace) -> list[Action]:
-    """Return the action that starts the program; of two robots the hardware sees or hears, if it can."""
+def run_example(memory: Memory, world: World, intent: RunExample) -> list[Action]:
+    """Return the action that runs the program; of two robots the hardware sees or hears, if it can."""
     sides = memory.choices.sides
     if unreachable(memory, world, sides, CONTROL):
         return []
-    can, lacks = (hears, "ear") if intent.program == TURN else (sees, "eye")
+    can, lacks = (hears, "ear") if intent.file == TURN else (sees, "eye")
     able = [side for side in ("hw", "sim") if side in sides and can(world.side(side))]
     if not able:
         return memory.refuse(CONTROL, f"cannot.no_{lacks}" if len(sides) == 1 else f"cannot.no_{lacks}s")
     others = tuple(side for side in sides if side != able[0])
-    return begin(memory, world, structs.replace(intent, sides=(able[0], *others)), CONTROL)
+    return begin(memory, world, RunProgram(NEW, intent.file, (able[0], *others)), CONTROL)
 
 
 def sees(robot: RobotState) -> bool:
@@ -101,4 +105,4 @@ def hears(robot: RobotState) -> bool:
     return ears is not None and ears.connected and ears.source not in TESTS
 
 
-HANDLES: Handles = {Play: play, FollowFace: follow_face}
+HANDLES: Handles = {Play: play, RunExample: run_example}

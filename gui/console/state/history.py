@@ -191,7 +191,7 @@ def _what_of(row: RequestRow, texts: Texts) -> str:
 
 def what(row: RequestRow, texts: Texts) -> str:
     """Return a request in a few words."""
-    key, slots = "what.ready", {}
+    key, slots = "what.ready", dict[str, str]()
     match row.request:
         case Send(query=query):
             return _motion(query, texts)
@@ -207,8 +207,9 @@ def what(row: RequestRow, texts: Texts) -> str:
             key = f"what.{verb}_all" if everywhere else f"what.{verb}"
         case actions.AskLease(action=action):
             key = other_seats.WHATS[action.value]
-        case actions.FollowFace(program=program):
-            key = "what.turn_to_sound" if program == actions.TURN else "what.follow_face"
+        case actions.RunProgram(file=file):
+            known = {actions.FOLLOW: "what.follow_face", actions.TURN: "what.turn_to_sound"}
+            key, slots = known.get(file, "what.program"), {"title": file.name}
         case actions.RunBlocks():
             key = "what.blocks"
         case actions.WriteFile(file=file):

@@ -25,12 +25,19 @@ from gui.console.state.world import LinkPhase, Trouble, World, commanded, news, 
 T = TypeVar("T")
 KEPT = 200
 """Largest number of rows of the history."""
-Motion = actions.Send | actions.Play | actions.RunBlocks | actions.FollowFace
+Motion = actions.Send | actions.Play | actions.RunBlocks | actions.RunProgram
 """Actions that move robots until they end."""
-ToRobots = Motion | actions.SendCommand | actions.AskLease | actions.MakeReady
+ToRobots = (
+    actions.Send
+    | actions.Play
+    | actions.RunBlocks
+    | actions.SendCommand
+    | actions.AskLease
+    | actions.MakeReady
+)
 """Actions that are sent only if their robots are online."""
 Gesture = actions.KeepGesture | actions.ShareGesture | actions.FetchGestures
-Request = ToRobots | actions.SendStop | actions.Govern | actions.WriteFile | Gesture
+Request = ToRobots | actions.RunProgram | actions.SendStop | actions.Govern | actions.WriteFile | Gesture
 """Actions with a row in the history."""
 
 

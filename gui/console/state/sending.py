@@ -15,7 +15,7 @@ from beatrix_zenoh.contract._generated.robot import LimitsData
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.motion.limits import region
 from gui.console.state import gestures, intents, refusals
-from gui.console.state.actions import NEW, TURN, Abort, Action, Outcome, Send, SendNow
+from gui.console.state.actions import FOLLOW, NEW, TURN, Abort, Action, Outcome, Send, SendNow
 from gui.console.state.intents import AimHead, Change, Choose, HeadOrientation, LiveHead, SendHead
 from gui.console.state.memory import Handles, Memory, begin, head_of, send_head, unreachable
 from gui.console.state.sequence_timing import limits_of
@@ -123,9 +123,9 @@ def _without_plan(memory: Memory, world: World) -> tuple[str, str]:
     if world.playing:
         title = gestures.title(world.playing, texts)
         return texts("sending.playing", title=title), texts("sending.playing_text")
-    if world.face.running:
-        key = "listening" if world.face.file.name == TURN else "following"
-        return texts(f"sending.{key}"), texts(f"sending.{key}_text")
+    if world.program.running:
+        key = {FOLLOW: "following", TURN: "listening"}.get(world.program.file, "program")
+        return texts(f"sending.{key}", file=world.program.file.name), texts(f"sending.{key}_text")
     held = memory.row(memory.held_row or 0)
     if held is not None and len(held.sides) > 1 and not (held.ended or held.dropped):
         return texts("sending.held"), texts("sending.held_text")

@@ -11,6 +11,7 @@ from gui.console.state import (
     class_page,
     commands,
     connecting,
+    editor,
     eyes,
     gestures,
     history,
@@ -44,7 +45,7 @@ def choose(memory: Memory, world: World, intent: Choose) -> list[Action]:
 
 
 TOPICS = (
-    *(arms, blocks, class_page, commands, connecting, gestures, leases),
+    *(arms, blocks, class_page, commands, connecting, editor, gestures, leases),
     *(own_gestures, refusals, sending, sequence, showing),
 )
 HANDLES: Handles = {
@@ -99,7 +100,7 @@ class State:
             sound=eyes.sound(memory, world),
             room=eyes.room(memory, world),
             history=history.view(memory, world),
-            code=history.code(memory, world),
+            code=editor.view(memory, world),
             record=commands.recording_view(memory, world),
             show=showing.view(memory, world),
             last=history.last(memory, world),

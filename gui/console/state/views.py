@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
+from pathlib import Path
 
 from beatrix_zenoh.client import Place
 from gui.console.state.intents import HeadOrientation, Intent
@@ -209,6 +210,28 @@ class HistoryRowView:
 
 
 @dataclass(frozen=True)
+class CodeView:
+    """The program in the code panel, and its newest run."""
+
+    text: str
+    opens: int
+    """how often the user has opened a program"""
+    title: str
+    file: Path | None
+    """None: it is the program of the presses"""
+    folder: Path
+    """the folder of the user's programs"""
+    run: ButtonView
+    """or end"""
+    running: bool
+    message: str
+    failed: bool
+    output: tuple[str, ...]
+    line: int
+    """the line at which it has failed; 0: none"""
+
+
+@dataclass(frozen=True)
 class CommandsView:
     """The commands, by name."""
 
@@ -238,13 +261,9 @@ class GesturesView:
     """None: there is no class"""
     follow: ButtonView
     turn: ButtonView
-    running: str
-    """the program that runs, FOLLOW or TURN; empty: none"""
+    running: Path | None
+    """the program that runs, perhaps FOLLOW or TURN"""
     open: ButtonView
-    note: str
-    """what runs, or where the program of the user is; empty: nothing to say"""
-    details: str
-    """the last line of the program, as it is; empty: none"""
     refusal: RefusalView | None = None
 
 
@@ -476,8 +495,7 @@ class View:
     sound: SoundView
     history: tuple[HistoryRowView, ...]
     """newest first"""
-    code: str
-    """the program so far, as the text of a file"""
+    code: CodeView
     record: RecordView
     show: ShowView
     last: str

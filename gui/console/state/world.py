@@ -128,23 +128,37 @@ class PictureProgress:
 
 
 @dataclass(frozen=True)
-class FaceProgress:
-    """The program that follows a face, or turns to a sound: the one that runs, or ran last."""
+class ProgramProgress:
+    """The Python program that was started last."""
 
-    running: bool = False
     file: Path = Path()
-    """the program that the next press starts: that of the user, or the shipped one"""
-    own_file: Path = Path()
-    """where the program of the user is, or would be"""
-    line: str = ""
-    """last line of its output, for details; empty: none yet"""
+    running: bool = False
+    output: tuple[str, ...] = ()
+    """its last lines"""
+    line: int = 0
+    """the line at which it has failed; 0: none"""
     sides: tuple[str, ...] = ()
-    """the robots that it moves, while it runs; it sees and hears with the first one"""
+    """its arguments: a shipped program sees and hears with the first robot"""
 
-    @property
-    def own(self) -> bool:
-        """Whether the user has a program of their own."""
-        return bool(self.own_file.name) and self.file == self.own_file
+    def runs(self, file: Path) -> bool:
+        """Return whether this program runs."""
+        return self.running and self.file == file
+
+
+@dataclass(frozen=True)
+class CodeProgress:
+    """The program in the code panel."""
+
+    presses: Path = Path()
+    """where the program of the presses is written before it runs"""
+    file: Path | None = None
+    """its file; None: it is the program of the presses"""
+    text: str = ""
+    """of the file"""
+    opens: int = 0
+    """how often the user has opened a program"""
+    trouble: Trouble | None = None
+    """why the file cannot be read or written"""
 
 
 @dataclass(frozen=True)
@@ -204,7 +218,8 @@ class World:
     """number of the pose of the sequence that is being played, from 0; -1: none"""
     gestures: tuple[OwnGesture, ...] = ()
     """those of the user, by name"""
-    face: FaceProgress = FaceProgress()
+    program: ProgramProgress = ProgramProgress()
+    code: CodeProgress = CodeProgress()
     picture: PictureProgress = PictureProgress()
     blocks_run: bool = False
     """whether a program of blocks runs"""

@@ -94,6 +94,7 @@ class FilePanel(Panel):
         suffix: str,
         made: Callable[[Path], Intent],
         files: str = "",
+        folder: Path = Path(),
     ) -> None:
         """Open a file dialog, and report the intent made of its file.
 
@@ -102,5 +103,7 @@ class FilePanel(Panel):
         if self.dialog is not None:
             self.dialog.deleteLater()
         self.dialog = FileDialog(self._texts, self, title, mode, suffix, files)
+        if folder != Path():
+            self.dialog.setDirectory(str(folder))
         self.dialog.fileSelected.connect(lambda file: self.intent.emit(made(Path(file))))
         self.dialog.show()

@@ -25,7 +25,7 @@ from gui.console.state.own_gestures import OpenGesture, RenameGesture
 from gui.console.state.views import ButtonView, GesturesView, OwnGestureView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
-from gui.window.widgets.controls import NO_MARGINS, ElidedLabel, Panel, filled, in_row, set_role, spaced
+from gui.window.widgets.controls import NO_MARGINS, Panel, filled, in_row, set_role, spaced
 from gui.window.widgets.emotion_wheel import EmotionWheel
 from gui.window.widgets.gesture_form import GestureForm
 from gui.window.widgets.picture_button import PictureButton
@@ -61,7 +61,6 @@ class GesturesPanel(Panel):
         self.own: dict[str, PictureButton] = {}
         """buttons of the user's gestures, by name"""
         self._cells = [*others.values(), self.follow, self.turn, self.open, self.fetch]
-        self.note = ElidedLabel("dim", 0)
         self.form = GestureForm(texts)
         self._lay_out()
         self.reports(*(button.intent for button in (*self.wheel.buttons.values(), *self._cells)))
@@ -78,7 +77,7 @@ class GesturesPanel(Panel):
         self._area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         main = QWidget()
         line = in_row(self.wheel, (self._area, 1), gap=4)
-        filled(spaced(QVBoxLayout(main), 2, (3, 3, 3, 3)), (line, 1), self.note)
+        filled(spaced(QVBoxLayout(main), 2, (3, 3, 3, 3)), (line, 1))
         self._stack = QStackedLayout(self)
         for page in (main, self.form):
             self._stack.addWidget(page)
@@ -131,15 +130,10 @@ class GesturesPanel(Panel):
         self.fetch.setVisible(self._in_class)
         if view.fetch is not None:
             self.fetch.show_view(view.fetch)
-        for name, button, shown in ((FOLLOW, self.follow, view.follow), (TURN, self.turn, view.turn)):
+        for file, button, shown in ((FOLLOW, self.follow, view.follow), (TURN, self.turn, view.turn)):
             button.show_view(shown)
-            set_role(button, "running", "yes" if view.running == name else "")
-            tooltip = (f"{shown.text}: {shown.tooltip}", view.note, view.details)
-            button.setToolTip("\n".join(text for text in tooltip if text))
-        self.note.setText(view.note)
+            set_role(button, "running", "yes" if view.running == file else "")
         self._arrange()
-        self.note.setVisible(bool(view.note))
-        self.note.setToolTip(view.details)
 
     def _show_own(self, own: tuple[OwnGestureView, ...]) -> None:
         """Make the buttons of the user's gestures again."""

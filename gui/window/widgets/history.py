@@ -1,12 +1,11 @@
-"""Requests of this window and of other seats, to send again or to copy as Python; and the program made of them."""
+"""Requests of this window and of other seats, to send again or to copy as Python."""
 
 from __future__ import annotations
 
 from PyQt5.QtCore import QSignalBlocker, Qt
-from PyQt5.QtGui import QColor, QFontDatabase, QGuiApplication, QTextCursor
-from PyQt5.QtWidgets import QFileDialog, QListWidget, QListWidgetItem, QPlainTextEdit, QSizePolicy, QWidget
+from PyQt5.QtGui import QColor, QGuiApplication
+from PyQt5.QtWidgets import QListWidget, QListWidgetItem, QSizePolicy, QWidget
 
-from gui.console.state.actions import NEW, WriteFile
 from gui.console.state.intents import Repeat, Theme
 from gui.console.state.views import HistoryRowView
 from gui.console.texts import Texts
@@ -15,13 +14,11 @@ from gui.window.widgets.controls import (
     NO_MARGINS,
     Panel,
     in_column,
-    in_row,
     label,
     named,
     plain_button,
     set_role,
 )
-from gui.window.widgets.files import FilePanel
 
 
 class HistoryPanel(Panel):
@@ -113,37 +110,3 @@ def copy(text: str) -> None:
 
 def _details(row: HistoryRowView) -> str:
     return f"{row.time}  {row.who}: {row.what}\n{row.symbol} {row.result}"
-
-
-class CodePanel(FilePanel):
-    """The program so far."""
-
-    def __init__(self, texts: Texts) -> None:
-        super().__init__(texts)
-        self.program = named(QPlainTextEdit(), texts("label.code"), "")
-        self.program.setReadOnly(True)
-        self.program.setTabChangesFocus(True)
-        self.program.setFont(QFontDatabase.systemFont(QFontDatabase.SystemFont.FixedFont))
-        self.copy, self.save = (
-            plain_button(texts(f"code.{name}"), texts(f"code.{name}_tip"), texts(f"code.{name}_name"))
-            for name in ("copy", "save")
-        )
-        self.copy.clicked.connect(lambda: copy(self.program.toPlainText()))
-        self.save.clicked.connect(self._choose_file)
-        buttons = in_row((self.copy, 1), (self.save, 1), gap=4)
-        hint = label(texts("label.code_hint"), "dim", wrap=True)
-        in_column(hint, (self.program, 1), buttons, gap=4, margins=(6, 6, 6, 6), inside=self)
-
-    def show_view(self, program: str) -> None:
-        """Show the program; new lines at the end become visible."""
-        self.program.setPlainText(program)
-        self.program.moveCursor(QTextCursor.MoveOperation.End)
-
-    def _choose_file(self) -> None:
-        save = QFileDialog.AcceptMode.AcceptSave
-        self.choose_file(
-            self._texts("code.save_name"),
-            save,
-            "py",
-            lambda file: WriteFile(NEW, file, self.program.toPlainText()),
-        )

@@ -17,10 +17,10 @@ from beatrix_zenoh.contract._generated.messages import Reason, SoundReply
 from gui.console.state.actions import (
     FOLLOW,
     TURN,
-    EndFollowing,
-    FollowFace,
+    EndProgram,
     LetSpeak,
     MovePerson,
+    RunProgram,
     SendStop,
     WatchPerson,
 )
@@ -43,7 +43,7 @@ def test_the_head_turns_to_the_voice_of_the_dragged_person_until_stop(stage: Sta
     with Robot("bea", side="sim", connect=stage.endpoint, who="ana") as robot:
         linked.do(WatchPerson(on=True))
         linked.until(lambda world: world.person is not None, "the person is seen")
-        linked.do(FollowFace(1, ("sim",), TURN))
+        linked.do(RunProgram(1, TURN, ("sim",)))
         for bearing in (35.0, -30.0):
             linked.do(place := at(bearing))
             assert present(linked.world.person).y == place.y
@@ -73,13 +73,13 @@ def test_a_person_walks_while_the_head_follows_until_the_user_drags_it(
     (tmp_path / "beatrix-programs" / FOLLOW).write_text("import time\ntime.sleep(60)", encoding="utf-8")
     with Robot("bea", side="sim", connect=stage.endpoint, who="ana") as robot:
         stands = robot.move_target(1.0, 0.1, 0.2)
-        linked.do(FollowFace(1, ("sim",)))
+        linked.do(RunProgram(1, FOLLOW, ("sim",)))
         until(lambda: robot.target().y != stands.y, "the person walks")
         if drags:
             linked.do(at(20.0))
             until(lambda: robot.target().y == pytest.approx(at(20.0).y), "the person is dragged")
             stands = robot.target()
-        linked.do(EndFollowing())
+        linked.do(EndProgram())
         assert linked.end_of(1).accepted
         assert robot.target() == stands
 
