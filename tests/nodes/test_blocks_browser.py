@@ -103,7 +103,7 @@ def check_phone(page: Browser) -> None:
     offered = (
         f"{WORKSPACE}.getBlocksByType('gesture')[0].getField('NAME').getOptions().map(([, name]) => name)"
     )
-    assert tuple(page.run(offered)) == GESTURES
+    assert tuple(page.run(offered))[: len(GESTURES)] == GESTURES  # after them those of the user
 
 
 def test_a_pupil_builds_runs_and_stops_programs(

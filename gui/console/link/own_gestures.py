@@ -53,7 +53,7 @@ class OwnGestures:
 
     def exchange(self, action: ShareGesture | FetchGestures, session: Session) -> None:
         """Give a gesture to the class, or get those of the class; returns at once."""
-        self._jobs.put("class", lambda: self._exchange(action, session))
+        self._jobs.put("sharing", lambda: self._exchange(action, session))
 
     def _exchange(self, action: ShareGesture | FetchGestures, session: Session) -> None:
         try:
@@ -104,7 +104,7 @@ def write(action: KeepGesture) -> Outcome:
             return done(action.row, "", f"{old}: deleted.")
         with files.replace_when_complete(file) as unfinished:
             unfinished.write_text(action.text, encoding="utf-8", newline="\n")
-            if action.instead:
+            if action.instead and old.exists():
                 old.replace(folder / DELETED / old.name)
     except OSError:
         where = str(file if action.name else old)
