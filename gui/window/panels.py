@@ -211,6 +211,7 @@ class Panels(QWidget):
         self.arms.show_compact(compact=low)
         for part in (self.head3d, self.sending, self.commands):
             part.show_simple(simple=simple)
+        self.head3d.room_box.setHidden(simple and self._drawer)  # there is no room
         for widget in (
             self.head.table,
             self.arms,

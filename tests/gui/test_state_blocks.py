@@ -30,7 +30,7 @@ def test_a_program_goes_to_the_checked_robots_with_the_lead() -> None:
 
 def test_the_buttons_and_the_present_block() -> None:
     state = state_after(Choose("sim", value=True), Choose("hw", value=False))
-    resting, running = state.view(world()).blocks, state.view(world(blocks_run=True, block="a")).blocks
+    resting, running = state.view(world()).blocks, state.view(world(block="a")).blocks
     assert (resting.run.enabled, resting.end.enabled, resting.runs, resting.block) == (True, False, False, "")
     assert (running.run.enabled, running.end.enabled, running.runs, running.block) == (True, True, True, "a")
     state.handle(Choose("sim", value=False), world())

@@ -103,7 +103,6 @@ class Link:
         """Return the present world, by default of the selected robot; call it in one thread only, for a window Qt's."""
         connection, moving, program = self._connection, self.moving, self.moving.program
         play = program if isinstance(program, Playing) else None
-        blocks = program if isinstance(program, BlockRun) else None
         latency_s = {} if robot else {side: probe.round_trip_s for side, probe in self._probes.items()}
         robot = robot or connection.robot
         (sim, hw), session, now_s = connection.states(robot), connection.session, time.monotonic()
@@ -136,8 +135,7 @@ class Link:
             router_trouble=self._routers.trouble,
             playing="" if play is None else play.title,
             playing_pose=-1 if play is None else play.pose,
-            blocks_run=blocks is not None,
-            block="" if blocks is None else blocks.block,
+            block=program.block if isinstance(program, BlockRun) else None,
             gestures=self._gestures.newest(now_s),
             program=moving.python(now_s),
             code=self._editor.progress(now_s),

@@ -19,9 +19,9 @@ def view(memory: Memory, world: World) -> BlocksView:
     text, at = _result(memory)
     return BlocksView(
         run=button(texts, "blocks.run", RunBlocks(""), "" if memory.choices.sides else "off.unchecked"),
-        end=button(texts, "blocks.end", EndBlocks(), "" if world.blocks_run else "off.no_blocks"),
-        runs=world.blocks_run,
-        block=world.block,
+        end=button(texts, "blocks.end", EndBlocks(), "off.no_blocks" if world.block is None else ""),
+        runs=world.block is not None,
+        block=world.block or "",
         text=text,
         at=at,
     )

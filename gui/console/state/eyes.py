@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Final
 
 from beatrix_zenoh.contract._generated.messages import CameraStatus
@@ -161,5 +162,5 @@ def _side(world: World) -> str:
     """Return the robot whose eye is shown: that of the program, otherwise one that sees."""
     found = (side for side in SIDES if sees(world.side(side)))
     program = world.program
-    runs = program.running and program.file in (FOLLOW, TURN)
-    return program.sides[0] if runs else next(found, SIDES[0])
+    first = program.sides[:1] if program.running and program.file in (FOLLOW, TURN) else ()
+    return next(itertools.chain(first, found), SIDES[0])

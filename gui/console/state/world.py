@@ -221,10 +221,8 @@ class World:
     program: ProgramProgress = ProgramProgress()
     code: CodeProgress = CodeProgress()
     picture: PictureProgress = PictureProgress()
-    blocks_run: bool = False
-    """whether a program of blocks runs"""
-    block: str = ""
-    """id of its present block; empty: none"""
+    block: str | None = None
+    """id of the block that runs, empty at the beginning of a program of blocks; None: no such program runs"""
     who: str = ""
     """the seat, if programs and command lines would choose another one by themselves; empty: they would not"""
     wall_s: float = 0.0

@@ -45,8 +45,8 @@ class CodePanel(FilePanel):
         menu.addAction(texts("code.save_as"), self._save_as)
         self.editor = menu.addAction(texts("code.editor"), self._edit_elsewhere)
         self.file.setMenu(menu)
-        head = in_row(self.run, self.file, (self.title, 1), gap=4)
-        parts = (head, (self.program, 3), self.message, (self.output, 1))
+        head = in_row((self.run, 1), self.file, gap=4)
+        parts = (self.title, head, (self.program, 3), self.message, (self.output, 1))
         in_column(*parts, gap=4, margins=(6, 6, 6, 6), inside=self)
         self.program.textChanged.connect(self._report)
 

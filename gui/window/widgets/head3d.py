@@ -139,7 +139,7 @@ class Head3d(TargetWidget):
             silent = f"◌ {self._texts(f'side.{view.solid}')}: {self._texts('condition.silent')}"
             names.append((silent, self._style.bad))
         texts = (f"<span style='color:{colour}'>{text}</span>" for text, colour in names)
-        self._names.setText(" &nbsp; ".join(texts))
+        self._names.setText("<br>".join(texts))
         for button in self.views.values():
             button.setVisible(view.shown is not None)
         self._nothing.setText("" if view.shown is not None else self._texts("label.no_head"))

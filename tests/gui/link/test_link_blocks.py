@@ -59,11 +59,11 @@ def test_a_program_without_an_end_is_ended_and_the_arms_rest(
 ) -> None:
     linked.do(RunBlocks(1, sides, SWAY))
     linked.until(lambda world: all(abs(short(world, side)) > 1 for side in sides), "it moves")
-    assert (linked.world.blocks_run, linked.world.block) == (True, "turn-id")
+    assert linked.world.block == "turn-id"
     began_s = time.monotonic()
     linked.do(by)
     world = linked.until(
-        lambda world: not world.blocks_run and all(rests(world, side) for side in sides), "it rests"
+        lambda world: world.block is None and all(rests(world, side) for side in sides), "it rests"
     )
     in_time(time.monotonic() - began_s, 0.9, "the end of a program of blocks")
     assert world.block == ""
