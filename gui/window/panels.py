@@ -170,7 +170,9 @@ class Panels(QWidget):
         self.tabs.currentChanged.connect(self._report_tab)
 
     def _report_tab(self, number: int) -> None:
-        if 0 <= number < len(Tab):
+        if self._simple:
+            self.tabs.setCurrentIndex(0)  # Ctrl+Tab would show hidden tabs
+        elif 0 <= number < len(Tab):
             self.intent.emit(Choose("tab", list(Tab)[number]))
 
     def _arrange(self) -> None:
