@@ -189,7 +189,9 @@ class Panels(QWidget):
                 tabs.setCurrentWidget(self.code)
 
     def _report_tab(self, number: int) -> None:
-        if 0 <= number < len(Tab):
+        if self._simple:
+            self.tabs.setCurrentIndex(0)  # Ctrl+Tab would show hidden tabs
+        elif 0 <= number < len(Tab):
             self.intent.emit(Choose("tab", list(Tab)[number]))
 
     def _arrange(self) -> None:

@@ -70,7 +70,7 @@ class Head3d(TargetWidget):
         self._orbit: QPointF | None = None
         self._over: Part | None = None
         self._covered = 0
-        self._lids, self._blinks = Lids(), QTimer(self)
+        self._lids, self._blinks, self._mouse = Lids(), QTimer(self), QPoint()
         self._blinks.setInterval(STEP_MS)
         self._blinks.timeout.connect(self._blink)
         self.setMouseTracking(True)
@@ -146,11 +146,11 @@ class Head3d(TargetWidget):
 
     def _blink(self) -> None:
         """Go on with the face of a robot that sleeps or wakes up; it looks at the mouse."""
-        before, view = self._lids.face, self._view
-        if view is not None:
+        before, mouse, view = self._lids.face, QCursor.pos(), self._view
+        if view is not None and (mouse != self._mouse or not self._lids.rests):
             x, y, _ = on_screen(self.screen3d, view.shown or view.target, SKULL)
-            mouse = self.mapFromGlobal(QCursor.pos())
-            self._lids.step((mouse.x() - x) * (1 if self._faces else -1), mouse.y() - y)
+            self._mouse, at = mouse, self.mapFromGlobal(mouse)
+            self._lids.step((at.x() - x) * (1 if self._faces else -1), at.y() - y)
         if self._lids.face != before:
             self.update()
         if not (self._lids.moves and self.isVisible()):

@@ -40,6 +40,11 @@ class Lids:
         """Whether the face may change."""
         return self._asleep or bool(self._waking)
 
+    @property
+    def rests(self) -> bool:
+        """Whether the face stays until the mouse moves."""
+        return not self._waking and not self._attention
+
     def show(self, *, asleep: bool) -> None:
         """Close the eyes of a robot that sleeps, and wake it up when it does not any more."""
         if asleep is not self._asleep:
