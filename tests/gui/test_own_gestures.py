@@ -211,3 +211,17 @@ def test_a_gesture_of_the_user_has_a_button_with_a_menu(panel: tuple[GesturesPan
     QTest.mouseClick(made.form.save, Qt.MouseButton.LeftButton)
     play = Play(NEW, (), gesture="wink")
     assert reported == [play, OpenGesture("wink"), DeleteGesture("wink"), RenameGesture("wink", "nod", "😜")]
+
+
+def test_a_saved_gesture_gets_the_focus_when_its_file_is_there(
+    panel: tuple[GesturesPanel, list[Intent]],
+) -> None:
+    made, reported = panel
+    made.ask(SaveGesture("", ""))
+    made.form.name.setText("nod")
+    QTest.mouseClick(made.form.group.button(3), Qt.MouseButton.LeftButton)
+    QTest.mouseClick(made.form.save, Qt.MouseButton.LeftButton)
+    assert reported == [SaveGesture("nod", EMOJI[3])]
+    nod = OwnGesture("nod", EMOJI[3], TEXT)
+    made.show_view(gestures.view(Memory(Choices()), world(gestures=(WINK, nod))))
+    assert made.focusWidget() is made.own["nod"]

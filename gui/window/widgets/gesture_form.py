@@ -108,5 +108,7 @@ class GestureForm(QWidget):
 
     def _give(self) -> None:
         if self.name.text():
+            for part in (self.name, self.save):
+                part.clearFocus()  # else Qt would give it to the next button
             self.closed.emit()
             self.given.emit(self.name.text(), EMOJI[self.group.checkedId()])

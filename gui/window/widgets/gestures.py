@@ -136,14 +136,15 @@ class GesturesPanel(Panel):
         self._arrange()
 
     def _show_own(self, own: tuple[OwnGestureView, ...]) -> None:
-        """Make the buttons of the user's gestures again."""
-        self._own = own
+        """Make the buttons of the user's gestures again; a gesture that was just saved has the focus."""
+        self._own, known = own, {*self.own}
         for button in self.own.values():
             self._grid.removeWidget(button)
             button.deleteLater()
         self.own = {}
         for gesture in own:
             button = self.own[gesture.name] = PictureButton(gesture.name, gesture.emoji)
+            button.setParent(self._inner)
             button.show_theme(self._theme)
             button.show_view(gesture.play)
             self.reports(button.intent)
@@ -155,6 +156,9 @@ class GesturesPanel(Panel):
                 action.triggered.connect(partial(self._change, gesture, entry))
             button.setMenu(menu)
             button.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
+            if gesture.name == self._asked.name and gesture.name not in known:
+                button.show()  # the layout would do it later
+                button.setFocus()
 
     def _change(self, gesture: OwnGestureView, entry: ButtonView) -> None:
         if isinstance(entry.intent, RenameGesture):
