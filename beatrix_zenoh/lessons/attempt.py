@@ -45,7 +45,7 @@ from beatrix_zenoh.lessons.phrases import (
 )
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.sandbox import Sandbox, scratch
-from beatrix_zenoh.lessons.stage import POLL_S, PUPIL, ROBOT, Seen, Stage, open_stage, pace
+from beatrix_zenoh.lessons.stage import POLL_S, PUPIL, ROBOT, Seen, Stage, Stages, open_stage, pace
 
 __all__ = ["Attempt", "NotMeasurable", "Seen", "Stage", "Unmet"]
 
@@ -75,6 +75,7 @@ class Attempt(Checked):
         limit_s: float,
         keep: Path | None = None,
         tell: Callable[[Phrase], None] = lambda _: None,
+        stages: Stages = open_stage,
     ) -> None:
         """Prepare a check.
 
@@ -83,8 +84,10 @@ class Attempt(Checked):
             limit_s: longest time of the program with a robot (s).
             keep: record the robots of a run to this file, which is overwritten; None: record nothing.
             tell: is called with sentences about a check that takes long.
+            stages: runs a stage during a block, as `open_stage` does.
         """
         self.program, self._limit_s, self._keep, self._tell = program, limit_s, keep, tell
+        self._stages = stages
         self._shared: Stage | None = None
         self._open = ExitStack()
         self._functions: LineChild | None = None
@@ -102,7 +105,7 @@ class Attempt(Checked):
     @contextmanager
     def on_stage(self, *robots: str) -> Iterator[None]:
         """Observe on one stage during a block, as each run leaves it, because its start takes seconds."""
-        with open_stage(robots, tell=self._tell) as self._shared:
+        with self._stages(robots, "still", None, self._tell) as self._shared:
             yield
         self._shared = None
 
@@ -294,7 +297,9 @@ class Attempt(Checked):
         self, robots: tuple[str, ...], path: str = "still", robot_file: Path | None = None
     ) -> AbstractContextManager[Stage]:
         """Return the stage of `on_stage`, or a new one."""
-        return nullcontext(self._shared) if self._shared else open_stage(robots, path, robot_file, self._tell)
+        return (
+            nullcontext(self._shared) if self._shared else self._stages(robots, path, robot_file, self._tell)
+        )
 
     def _judge(self, stage: Stage, run: Run) -> dict[str, Seen]:
         """Return what the robots did, and set `doubt`; raises NotMeasurable."""

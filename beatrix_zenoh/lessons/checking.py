@@ -26,6 +26,7 @@ from beatrix_zenoh.lessons.phrases import (
 )
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.progress import Record
+from beatrix_zenoh.lessons.stage import Stages, open_stage
 from beatrix_zenoh.output import say
 
 BUSY_CORES = 0.5
@@ -65,6 +66,7 @@ def check(
     *,
     keep: Path | None = None,
     tell: Callable[[str], None] = lambda _: None,
+    stages: Stages = open_stage,
 ) -> Verdict:
     """Check a program.
 
@@ -73,12 +75,14 @@ def check(
         program: the pupil's program.
         keep: record the robots of an observed run to this file, which is overwritten.
         tell: is called with sentences about a check that takes long, in the language of the lesson.
+        stages: runs the stages of the check.
     """
     attempt = Attempt(
         program,
         limit_s=lesson.about.limit_s,
         keep=keep,
         tell=lambda text: tell(str(said(text, lesson.language))),
+        stages=stages,
     )
 
     def run() -> None:

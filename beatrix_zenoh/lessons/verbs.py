@@ -5,10 +5,11 @@ from __future__ import annotations
 import contextlib
 import itertools
 import shutil
+import sys
 from collections.abc import Iterator
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -21,12 +22,19 @@ from beatrix_zenoh.lessons.progress import Record, Workspace
 from beatrix_zenoh.output import columns, note, print_json, say
 from beatrix_zenoh.terminal.options import Json
 
+if TYPE_CHECKING:
+    from beatrix_zenoh.lessons.checking import Verdict
+    from beatrix_zenoh.lessons.stage import Stages
+
 START = {
     "en": ("Lesson {number}: {title} ({minutes} minutes)", "folder", "read", "change", "check"),
     "de": ("Lektion {number}: {title} ({minutes} Minuten)", "Ordner", "lesen", "ändern", "prüfen"),
 }
 """What `start` prints: the head, and the labels of the lines below it."""
+NEXT = {"en": "The next lesson", "de": "Die nächste Lektion"}
 LESSON = "`beatrix lesson"
+CLEAR = "\x1b[2J\x1b[H"
+"""Clears the screen of a terminal, so that only the newest verdict is on it."""
 lesson = typer.Typer(
     name="lesson",
     help="Learn with the robot. Begin with `beatrix lesson list`.",
@@ -169,23 +177,65 @@ def check(
 
     Exit codes: 0 passed, 1 not yet, 4 this computer was too busy to measure.
     """
-    from beatrix_zenoh.client import lesson_reports
-    from beatrix_zenoh.lessons import checking
-    from beatrix_zenoh.lessons.sandbox import refuse_teacher
-    from beatrix_zenoh.settings import resolve_valid
+    from beatrix_zenoh.lessons.stage import open_stage
     from beatrix_zenoh.shutdown import signals_interrupt
 
-    refuse_teacher(resolve_valid()[0].account)
-    workspace = _workspace()
-    found, path = _program(number, workspace)
-    program = programs.read(path)
-    note(f"Checking {_shown(path)} …")
+    found, path = _checkable(number)
     recording = path.with_name("check.rrd")
+    note(f"Checking {_shown(path)} …")
     with signals_interrupt():
-        verdict = checking.check(found, program, keep=recording if keep else None, tell=note)
+        verdict = _judge(found, path, open_stage, as_json, recording if keep else None)
     if keep and not recording.exists():
         note("This check used no simulated robot that runs in real time: there is nothing to record.")
-    workspace = _workspace()  # another check may have ended meanwhile
+    if verdict.result.value:
+        raise typer.Exit(verdict.result.value)
+
+
+@lesson.command("watch")
+def watch_program(number: LatestNumber = None, as_json: Json = False) -> None:
+    """Check your program now and at each save, until it passes or you press Ctrl-C.
+
+    It is faster than `check`: the simulation stays up. With --json each line is a document.
+    """
+    from beatrix_zenoh.lessons.watching import watch
+
+    found, newest = _checkable(number)
+
+    def check_now(path: Path, stages: Stages) -> Verdict:
+        if as_json:
+            print_json({"lesson": found.name, "outcome": "checks"})
+        else:
+            if sys.stdout.isatty():
+                print(CLEAR, end="")
+            note(f"Checking {_shown(path)} …")
+        verdict = _judge(found, path, stages, as_json)
+        if not as_json and verdict.result.value:
+            note(f"Save {_shown(path)} to check it again; Ctrl-C ends.")
+        return verdict
+
+    passed = watch(lambda: Workspace(newest.parents[1]).programs(found.name), check_now)
+    following = min((one.number for one in lessons() if one.number > found.number), default=None)
+    if passed and following and not as_json:
+        say(f"{NEXT[found.language]}: beatrix lesson start {following}")
+
+
+def _checkable(number: int | None) -> tuple[Lesson, Path]:
+    """Return lesson and program as `_program`; raises Refused to the teacher, whose account the program could use."""
+    from beatrix_zenoh.lessons.sandbox import refuse_teacher
+    from beatrix_zenoh.settings import resolve_valid
+
+    refuse_teacher(resolve_valid()[0].account)
+    return _program(number, _workspace())
+
+
+def _judge(found: Lesson, path: Path, stages: Stages, as_json: bool, keep: Path | None = None) -> Verdict:
+    """Check a program, show the verdict, and keep and report it."""
+    from beatrix_zenoh.client import lesson_reports
+    from beatrix_zenoh.lessons import checking
+
+    program = programs.read(path)
+    verdict = checking.check(found, program, keep=keep, tell=note, stages=stages)
+    workspace = Workspace(path.parents[1])  # another check may have ended meanwhile
     record = workspace.record(found.name)
     checking.count(record, verdict, progress.sealed(found.name, program.sha256))
     if as_json:
@@ -195,8 +245,7 @@ def check(
     workspace.save()
     measured = verdict.result is not checking.Result.NOT_MEASURABLE
     lesson_reports.report(found.name, record.state(measured=measured))
-    if verdict.result.value:
-        raise typer.Exit(verdict.result.value)
+    return verdict
 
 
 def _program(number: int | None, workspace: Workspace) -> tuple[Lesson, Path]:
