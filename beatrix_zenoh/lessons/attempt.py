@@ -17,7 +17,7 @@ import math
 import re
 import time
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext, suppress
 from pathlib import Path
 from typing import Self
 
@@ -289,6 +289,12 @@ class Attempt(Checked):
                     limit_s = run.seconds + within_s
                 self._finish(run, stage, limit_s, ends=seconds is None)
                 return self._judge(stage, run)
+            except Unmet:
+                with suppress(NotMeasurable):
+                    self.panels = self.draw(
+                        {name: one.end(run.began_ns) for name, one in stage.watches.items()}
+                    )
+                raise
             finally:
                 run.close()
                 self.cores = run.cores
@@ -302,8 +308,9 @@ class Attempt(Checked):
         )
 
     def _judge(self, stage: Stage, run: Run) -> dict[str, Seen]:
-        """Return what the robots did, and set `doubt`; raises NotMeasurable."""
+        """Return what the robots did, and set `doubt` and `panels`; raises NotMeasurable."""
         found = {name: watch.end(run.began_ns) for name, watch in stage.watches.items()}
+        self.panels = self.draw(found)
         self.doubt = next((seen.doubt for seen in found.values() if seen.doubt), None)
         return found
 

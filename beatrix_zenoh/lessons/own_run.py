@@ -68,6 +68,7 @@ class OwnRun(Checked):
         if not self._began_ns:
             raise busy(phrase("no_positions"))
         seen = self._watch.end(self._began_ns)
+        self.panels = self.draw({self._robot: seen})
         if not self.in_time:
             raise Unmet("ends", what=phrase("program"), limit=self._limit_s, **pace({self._robot: seen}))
         self.doubt = seen.doubt

@@ -238,10 +238,11 @@ def _judge(found: Lesson, path: Path, stages: Stages, as_json: bool, keep: Path 
     workspace = Workspace(path.parents[1])  # another check may have ended meanwhile
     record = workspace.record(found.name)
     checking.count(record, verdict, progress.sealed(found.name, program.sha256))
+    picture = checking.keep_picture(verdict, path.with_name(f"lesson-{found.number}.svg"))
     if as_json:
-        print_json(checking.document(found, verdict, record))
+        print_json(checking.document(found, verdict, record, picture))
     else:
-        checking.show(found, verdict, record)
+        checking.show(found, verdict, record, picture and _shown(picture))
     workspace.save()
     measured = verdict.result is not checking.Result.NOT_MEASURABLE
     lesson_reports.report(found.name, record.state(measured=measured))
