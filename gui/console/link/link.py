@@ -19,6 +19,7 @@ from gui.console.link.choreographies import Playing
 from gui.console.link.connection import PROBE_S, PROBE_SHARED_S, Connection, Probe, Session
 from gui.console.link.governing import LessonReports, robots_online, send_govern
 from gui.console.link.jobs import Jobs
+from gui.console.link.lesson_runs import LessonRuns
 from gui.console.link.moving import Moving, RobotAction
 from gui.console.link.outcomes import WindowError, failed, stopped, write
 from gui.console.link.pictures import Camera, CameraStream, LevelStream, OnImage, Watcher, levels
@@ -76,6 +77,7 @@ class Link:
         self._children = Children(jobs, self._connection.try_now)
         self._recordings, self._ports = Recordings(jobs), Ports(jobs)
         self._routers = Routers(jobs, self._connection, self.moving.deselect)
+        self._lesson_runs = LessonRuns(jobs)
         self._table = self._carrying_out()
 
     def look(self) -> None:
@@ -139,6 +141,7 @@ class Link:
             robots=robots_online(session) if self._lessons.watched else (),
             reports=self._lessons.rows,
             reports_failed=self._lessons.failed,
+            lesson=self._lesson_runs.newest,
             levels=levels(self._levels.open),
         )
 
@@ -175,6 +178,7 @@ class Link:
             actions.EndBlocks: lambda _: moving.end_blocks(),
             actions.EndFollowing: lambda _: moving.end_following(),
             actions.WriteFile: self._write,
+            actions.RunLesson: self._lesson_runs.do,
         }
 
     def _see(self, session: Session, eye: Camera) -> CameraStream:
@@ -229,6 +233,7 @@ class Link:
     def drop(self) -> None:
         """Drop waiting requests, and end plans, plays and programs, because STOP was pressed."""
         self.moving.drop(stopped())
+        self._lesson_runs.end()
 
     # -- the end ------------------------------------------------------------------------------------
 
@@ -236,6 +241,7 @@ class Link:
         """Stop the motions of this window, close the session and end all children; takes at most 3 s."""
         deadline_s = time.monotonic() + CLOSE_S
         self.moving.drop(WindowError(Reason.SHUTDOWN, "result.closed"))
+        self._lesson_runs.end()
         for part in (self._stop_sender, self._cameras, self._levels):
             part.close()
         # In parallel, because each may need all of the time, for example while a recorder completes its file.

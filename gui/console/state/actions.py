@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Final
+from typing import Final, Literal
 
 from beatrix_zenoh.client import Place
 from beatrix_zenoh.client.choreography import ArmPose
@@ -171,6 +171,17 @@ class FollowFace(Action, frozen=True):
 
 class EndFollowing(Action, frozen=True):
     """End the program that follows a face."""
+
+
+class RunLesson(Action, frozen=True):
+    """Run a verb of `beatrix lesson` as a child process."""
+
+    verb: Literal["start", "hint", "watch", "end"]
+    """`end` ends a watch"""
+    number: int = 0
+    """of the lesson"""
+    language: str = "en"
+    """of its texts, for a start"""
 
 
 class WriteFile(Action, frozen=True):

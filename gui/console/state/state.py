@@ -56,7 +56,7 @@ class State:
         self._guide = missions.Guide(saved.guided)
         self._handles: Handles = {
             **HANDLES,
-            **dict.fromkeys((missions.SkipTask, missions.CloseGuide), self._guide.handle),
+            **dict.fromkeys(missions.HANDLED, self._guide.handle),
         }
 
     @property
@@ -107,6 +107,10 @@ class State:
         for topic in (leases, refusals, arms, connecting):
             topic.follow(self._memory, world)
         self._guide.follow(self._memory, world)
+
+    def celebration(self, world: World) -> list[Action]:
+        """Return the gesture with which the simulated head celebrates a task that was just done; usually none."""
+        return self._guide.celebration(self._memory, world)
 
     def outcomes(self, world: World) -> tuple[tuple[HistoryRowView, ...], str]:
         """Return history and last line, the part of the view that an outcome changes."""
