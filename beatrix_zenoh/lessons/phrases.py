@@ -21,8 +21,8 @@ from beatrix_zenoh.contract.sentences.templates import Number
 from beatrix_zenoh.lesson_files import ENGLISH
 
 if TYPE_CHECKING:
+    from beatrix_zenoh.lessons.measures import HeadCurves
     from beatrix_zenoh.lessons.picture import Panel
-    from beatrix_zenoh.lessons.stage import Seen
 
 FILE = Path(__file__).with_suffix(".toml")
 EVERY_S = 10.0
@@ -118,7 +118,7 @@ class Checked:
     """why a figure that is not met may be the fault of this computer; None: it was fast enough"""
     cores: float = 0.0
     """part of a core that the last observed program has used; 0 if the system does not tell"""
-    draw: Callable[[Mapping[str, Seen]], Sequence[Panel]] = staticmethod(lambda _: ())
+    draw: Callable[[Mapping[str, HeadCurves]], Sequence[Panel]] = staticmethod(lambda _: ())
     """set by a check: returns the picture of a run from what each robot did"""
     panels: Sequence[Panel] = ()
     """the picture of what was asked and done; empty: none"""

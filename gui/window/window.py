@@ -134,7 +134,8 @@ class Window(QMainWindow):
 
     def _close_sheets(self) -> None:
         self.panels.key_sheet.hide()
-        self.handle(ShowSheet(""))
+        if self.panels.guide.shows_sheet:
+            self.handle(ShowSheet(""))
         if self.panels.connect_sheet.isVisible():
             self.handle(CloseConnect())
 

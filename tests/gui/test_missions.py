@@ -213,7 +213,7 @@ def lesson(state: State, **run: Any) -> StripView:
 
 def test_a_lesson_is_read_started_checked_and_passed_in_the_strip() -> None:
     state = State(Saved(guided=len(TASKS)))
-    assert [one.text for one in lesson(state).buttons] == ["Read", "Next", "Close for good"]
+    assert [one.text for one in lesson(state).buttons] == ["Read", "Next", "Close"]
     assert state.handle(OpenLesson(1), WELL) == [RunLesson("start", 1, "en")]
     begun_ = {"programs": {"01-hello": "/x/start.py"}}
     assert lesson(state, **begun_).page.startswith("# Lesson 1: Hello, head")
@@ -238,6 +238,7 @@ def test_a_lesson_is_read_started_checked_and_passed_in_the_strip() -> None:
     view = state.view(now).guide
     assert view is not None
     assert (view.good, view.count) == (True, "1 of 12 done")
+    assert view.text.startswith("Lesson 1: Hello, head. ✓ Passed.")
     assert view.lessons[0].text == "● 1  Hello, head"
 
 

@@ -99,8 +99,7 @@ class Link:
         play = program if isinstance(program, Playing) else None
         blocks = program if isinstance(program, BlockRun) else None
         latency_s = {} if robot else {side: probe.round_trip_s for side, probe in self._probes.items()}
-        robot = robot or connection.robot
-        sim, hw = connection.states(robot)
+        sim, hw = connection.states(robot := robot or connection.robot)
         session, now_s = connection.session, time.monotonic()
         connection.look(now_s)
         for look in (self._probes["sim"].look, self._probes["hw"].look, self._lessons.look):

@@ -60,9 +60,12 @@ class LessonStrip:
         return [*ends, *([] if begun else [RunLesson("start", lesson.number, code)])]
 
     def passes(self, world: World) -> bool:
-        """Return whether a check has passed since the last call."""
+        """Return whether a check has passed since the last call; its lesson stays until another one is chosen."""
         new, self._seen = world.lesson.report is not self._seen, world.lesson.report
-        return new and self._seen.outcome == "passed"
+        passed = new and self._seen.outcome == "passed"
+        if passed:
+            self._number = next(one.number for one in known("en") if one.name == self._seen.lesson)
+        return passed
 
     def menu(self, memory: Memory, world: World) -> tuple[ButtonView, ...]:
         """Return an entry for each lesson."""

@@ -7,7 +7,7 @@ from itertools import zip_longest
 from PyQt5.QtCore import QPoint, QSize
 from PyQt5.QtGui import QResizeEvent
 from PyQt5.QtSvg import QSvgWidget
-from PyQt5.QtWidgets import QAction, QMenu, QTextBrowser, QWidget
+from PyQt5.QtWidgets import QAction, QBoxLayout, QMenu, QTextBrowser, QWidget
 
 from gui.console.state.lesson_strip import ShowSheet
 from gui.console.state.views import ButtonView, StripView
@@ -31,7 +31,8 @@ class LessonSheet(Sheet):
         self.page.setAccessibleName(texts("strip.lessons"))
         self.close_button = plain_button(texts("strip.hide"), texts("strip.hide_tip"))
         self.close_button.clicked.connect(lambda: self.intent.emit(ShowSheet("")))
-        in_column((self.page, 1), self.picture, in_row(None, self.close_button), inside=self)
+        picture = in_row(None, self.picture, None)
+        in_column((self.page, 1), picture, in_row(None, self.close_button), inside=self)
 
     def show_view(self, view: StripView | None) -> None:
         """Show what the view contains, or hide the sheet."""
@@ -53,7 +54,7 @@ class LessonSheet(Sheet):
 
     def _picture_size(self) -> QSize:
         """Return the size of the picture, smaller in a low window."""
-        size, room = self.picture.renderer().defaultSize(), self.parentWidget().height() - 120
+        size, room = self.picture.renderer().defaultSize(), self.parentWidget().height() - 180
         return size if size.height() <= room else QSize(size.width() * room // size.height(), room)
 
 
@@ -70,9 +71,15 @@ class Strip(Panel):
         self.menu = QMenu(self)
         self.lessons = plain_button(f"{texts('strip.lessons')} ▾", texts("strip.lessons_tip"))
         self.lessons.clicked.connect(self._open_menu)
-        words, menu = (self.progress, (self.text, 1)), self.lessons
-        in_row(*words, *self.buttons, menu, margins=(10, 1, 6, 1), inside=self)
+        words = in_row(self.progress, (self.text, 1))
+        self._controls = in_row(*self.buttons, self.lessons)
+        self._row = in_row((words, 1), self._controls, margins=(10, 1, 6, 1), inside=self)
         self.hide()
+
+    @property
+    def shows_sheet(self) -> bool:
+        """Whether a page, hint or picture lies over the window."""
+        return self._sheet is not None and self._sheet.isVisible()
 
     def show_view(self, view: StripView | None) -> None:
         """Show the present task or lesson, or hide the strip."""
@@ -85,6 +92,7 @@ class Strip(Panel):
             for button, shown in zip_longest(self.buttons, view.buttons):
                 button.show_view(shown)
             self._fill(view.lessons)
+            self._arrange()
         wanted = view is not None and (view.page or view.picture)
         if self._sheet is None and wanted:
             self._sheet = LessonSheet(self._texts, self.parentWidget())
@@ -108,7 +116,15 @@ class Strip(Panel):
         corner = self.lessons.mapToGlobal(QPoint(self.lessons.width(), self.lessons.height()))
         self.menu.popup(corner - QPoint(self.menu.sizeHint().width(), 0))
 
+    def _arrange(self) -> None:
+        """Put the buttons below the text if they would leave it less than half of the width."""
+        narrow = self._controls.sizeHint().width() > self.width() / 2
+        self._row.setDirection(
+            QBoxLayout.Direction.TopToBottom if narrow else QBoxLayout.Direction.LeftToRight
+        )
+
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
         super().resizeEvent(event)
-        if self._sheet is not None and self._sheet.isVisible():
+        self._arrange()
+        if self._sheet is not None and self.shows_sheet:
             self._sheet.place()
