@@ -31,6 +31,10 @@ START = {
     "de": ("Lektion {number}: {title} ({minutes} Minuten)", "Ordner", "lesen", "ändern", "prüfen"),
 }
 """What `start` prints: the head, and the labels of the lines below it."""
+CHECK = {
+    "en": "# Save the notebook, then run this cell.\n!beatrix lesson check {number}",
+    "de": "# Sichere das Notebook, dann starte diese Zelle.\n!beatrix lesson check {number}",
+}
 NEXT = {"en": "The next lesson", "de": "Die nächste Lektion"}
 LESSON = "`beatrix lesson"
 CLEAR = "\x1b[2J\x1b[H"
@@ -162,7 +166,10 @@ def start(
 
 def _write_program(found: Lesson, path: Path) -> None:
     text = (found.folder / "start.py").read_text(encoding="utf-8")
-    path.write_text(programs.notebook(text) if path.suffix == ".ipynb" else text, encoding="utf-8")
+    if path.suffix == ".ipynb":
+        page = found.page.read_text(encoding="utf-8")
+        text = programs.notebook(text, page, CHECK[found.language].format(number=found.number))
+    path.write_text(text, encoding="utf-8")
 
 
 @lesson.command()
