@@ -237,22 +237,16 @@ def _checkable(number: int | None) -> tuple[Lesson, Path]:
 
 def _judge(found: Lesson, path: Path, stages: Stages, as_json: bool, keep: Path | None = None) -> Verdict:
     """Check a program, show the verdict, and keep and report it."""
-    from beatrix_zenoh.client import lesson_reports
-    from beatrix_zenoh.lessons import checking
+    from beatrix_zenoh.lessons import checking, own_run
 
     program = programs.read(path)
     verdict = checking.check(found, program, keep=keep, tell=note, stages=stages)
-    workspace = Workspace(path.parents[1])  # another check may have ended meanwhile
-    record = workspace.record(found.name)
-    checking.count(record, verdict, progress.sealed(found.name, program.sha256))
+    record = own_run.keep(found, verdict, program.text, path.parents[1])
     picture = checking.keep_picture(verdict, path.with_name(f"lesson-{found.number}.svg"))
     if as_json:
         print_json(checking.document(found, verdict, record, picture))
     else:
         checking.show(found, verdict, record, picture and _shown(picture))
-    workspace.save()
-    measured = verdict.result is not checking.Result.NOT_MEASURABLE
-    lesson_reports.report(found.name, record.state(measured=measured))
     return verdict
 
 

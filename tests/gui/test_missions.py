@@ -229,6 +229,8 @@ def test_a_lesson_is_read_started_checked_and_passed_in_the_strip() -> None:
     assert [one.text for one in shown.buttons[1:4]] == ["End check", "Hint", "Picture"]
     assert state.handle(ShowSheet("hint"), WELL) == [RunLesson("hint", 1)]
     assert lesson(state, **begun_, hint="Hint 1/3: Do it.").page == "Hint 1/3: Do it."
+    refused_ = CheckReport(message="The account is the teacher's.")
+    assert refused_.message in lesson(state, **begun_, report=refused_).text
     state.handle(ShowSheet("picture"), WELL)
     assert lesson(state, **begun_, report=not_yet).picture == "lesson-1.svg"
     passed = LessonRun(passed=frozenset({"01-hello"}), report=CheckReport("01-hello", "passed"))

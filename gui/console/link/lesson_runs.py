@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import threading
 import time
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
@@ -13,7 +15,7 @@ import msgspec
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lesson_files import lessons
 from beatrix_zenoh.lessons import progress
-from beatrix_zenoh.processes import POLL_S, Supervisor
+from beatrix_zenoh.processes import POLL_S, Child, Supervisor
 from gui.console.link.jobs import Jobs
 from gui.console.state.actions import RunLesson
 from gui.console.state.lesson_run import CheckReport, LessonRun
@@ -30,6 +32,7 @@ class LessonRuns:
     def __init__(self, jobs: Jobs) -> None:
         self._jobs = jobs
         self._run: LessonRun | None = None
+        self._lock = threading.Lock()
         self._wanted = 0
         """counts the watches, and their ends"""
 
@@ -57,7 +60,8 @@ class LessonRuns:
         self._wanted += 1
 
     def _change(self, **values: Any) -> None:
-        self._run = replace(self.newest, **values)
+        with self._lock:  # a hint comes while a check runs
+            self._run = replace(self._run or LessonRun(), **values)
 
     def _read(self) -> None:
         """Read which lessons were started and passed."""
@@ -73,26 +77,19 @@ class LessonRuns:
 
     def _perform(self, action: RunLesson) -> None:
         words = ("--language", action.language) if action.verb == "start" else ()
-        children = Supervisor()
-        try:
-            child = children.start("lesson", "lesson", action.verb, str(action.number), *words)
+        with running(action.verb, str(action.number), *words) as child:
             deadline_s = time.monotonic() + ANSWER_S
             while child.code is None and time.monotonic() < deadline_s:
                 time.sleep(POLL_S)
-            text = " ".join(" ".join(child.lines()).split())
-            if action.verb == "hint" and child.code == 0:
-                self._change(hint=text, note="")
-            else:
-                self._change(note=text if child.code else "")
-        finally:
-            children.end_all(time.monotonic() + END_S)
+            text, good = " ".join(" ".join(child.lines()).split()), child.code == 0
+        self._change(note="" if good else text)
+        if good and action.verb == "hint":
+            self._change(hint=text)
         self._read()
 
     def _watch(self, number: int, wanted: int) -> None:
         self._change(watched=number, report=CheckReport(outcome="checks"), note="")
-        children = Supervisor()
-        try:
-            child = children.start("lesson", "lesson", "watch", str(number), "--json")
+        with running("watch", str(number), "--json") as child:
             ended = False
             while not ended and wanted == self._wanted:
                 time.sleep(POLL_S)
@@ -100,8 +97,17 @@ class LessonRuns:
                 for line in child.new_lines():
                     with contextlib.suppress(msgspec.DecodeError):  # a note for people
                         self._change(report=msgspec.json.decode(line, type=CheckReport))
-        finally:
-            children.end_all(time.monotonic() + END_S)
-            unfinished = self.newest.report.outcome == "checks"
-            self._change(watched=0, **({"report": CheckReport()} if unfinished else {}))
-            self._read()
+        if self.newest.report.outcome == "checks":
+            self._change(report=CheckReport())
+        self._change(watched=0)
+        self._read()
+
+
+@contextlib.contextmanager
+def running(*words: str) -> Iterator[Child]:
+    """Run `beatrix lesson` with these arguments; end it at the end of the block."""
+    children = Supervisor()
+    try:
+        yield children.start("lesson", "lesson", *words)
+    finally:
+        children.end_all(time.monotonic() + END_S)
