@@ -27,8 +27,8 @@ CLOSED: Final = 99
 """Number of done tasks after which nothing is shown."""
 DANCE: Final = 3
 """Poses of a dance."""
-CHEER_S: Final = 3.0
-"""Time (s) after a task in which the head may celebrate it."""
+CHEER_S: Final = 0.5, 3.0
+"""When (s) after a task the head may celebrate it: a program of the user moves it again before that."""
 
 
 class SkipTask(Intent, frozen=True):
@@ -59,7 +59,7 @@ class Guide:
         self._since = 0
         """row of the newest request when the task began"""
         self._praise = self._hint = False
-        self._cheer_s = -CHEER_S
+        self._cheer_s = -CHEER_S[1]
         """when something was done (monotonic clock, s)"""
         self._seen: defaultdict[str, SeenMoves] = defaultdict(SeenMoves)
         """by side"""
@@ -86,7 +86,7 @@ class Guide:
 
     def celebration(self, memory: Memory, world: World) -> list[Action]:
         """Return the gesture of the simulated head, if something was just done and the user lets it rest."""
-        if world.now_s - self._cheer_s > CHEER_S:
+        if not CHEER_S[0] <= world.now_s - self._cheer_s <= CHEER_S[1]:
             return []
         newest, texts = memory.rows[-1] if memory.rows else None, memory.choices.texts
         moves = world.plan or world.playing or world.blocks_run or world.face.running
@@ -94,7 +94,7 @@ class Guide:
         stopped = newest is not None and isinstance(newest.request, SendStop)
         if moves or waits or stopped or finding(world, "sim", texts).condition is not Condition.READY:
             return []
-        self._cheer_s = -CHEER_S
+        self._cheer_s = -CHEER_S[1]
         return begin(memory, world, Play(NEW, ("sim",), gesture="yes"), CONTROL)
 
     def handle(self, memory: Memory, world: World, intent: Intent) -> list[Action]:
