@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from beatrix_zenoh.contract.errors import bad_value
+from beatrix_zenoh.contract.errors import BeatrixError, bad_value
 from beatrix_zenoh.lesson_files import Lesson, find, lessons
 from beatrix_zenoh.lessons import program as programs
 from beatrix_zenoh.lessons import progress
 from beatrix_zenoh.lessons.class_verbs import Number, report, turn
 from beatrix_zenoh.lessons.progress import Record, Workspace
-from beatrix_zenoh.output import columns, note, print_json, say
+from beatrix_zenoh.output import columns, note, print_failure, print_json, say
 from beatrix_zenoh.terminal.options import Json
 
 if TYPE_CHECKING:
@@ -204,9 +204,11 @@ def watch_program(number: LatestNumber = None, as_json: Json = False) -> None:
 
     It is faster than `check`: the simulation stays up. With --json each line is a document.
     """
+    from beatrix_zenoh.lessons.checking import Result, Verdict
     from beatrix_zenoh.lessons.watching import watch
 
-    found, newest = _checkable(number)
+    found, _ = _checkable(number)
+    workspace = _workspace()
 
     def check_now(path: Path, stages: Stages) -> Verdict:
         if as_json:
@@ -215,12 +217,16 @@ def watch_program(number: LatestNumber = None, as_json: Json = False) -> None:
             if sys.stdout.isatty():
                 print(CLEAR, end="")
             note(f"Checking {_shown(path)} …")
-        verdict = _judge(found, path, stages, as_json)
+        try:
+            verdict = _judge(found, path, stages, as_json)
+        except BeatrixError as error:  # for example a file that is no text: the next save may cure it
+            verdict = Verdict(Result.NOT_MEASURABLE)
+            print_failure(error.reason, error.message) if as_json else say(error.message)
         if not as_json and verdict.result.value:
             note(f"Save {_shown(path)} to check it again; Ctrl-C ends.")
         return verdict
 
-    passed = watch(lambda: Workspace(newest.parents[1]).programs(found.name), check_now)
+    passed = watch(lambda: workspace.programs(found.name), check_now)
     following = min((one.number for one in lessons() if one.number > found.number), default=None)
     if passed and following and not as_json:
         say(f"{NEXT[found.language]}: beatrix lesson start {following}")

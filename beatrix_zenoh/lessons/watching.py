@@ -56,10 +56,11 @@ class Saves:
 
     def wait(self) -> Path:
         """Return the program to check now: at first at once, later when it was saved."""
-        while not self._saved.wait(WAIT_S) or not (paths := self._found()):
-            pass
-        self._saved.clear()
-        return paths[0]
+        while True:
+            if self._saved.wait(WAIT_S):
+                self._saved.clear()
+                if paths := self._found():
+                    return paths[0]
 
     @contextmanager
     def interrupting(self) -> Iterator[None]:
