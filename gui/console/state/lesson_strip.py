@@ -48,6 +48,11 @@ class LessonStrip:
         self._sheet: Sheet = ""
         self._seen = CheckReport()
 
+    @property
+    def state(self) -> tuple[object, ...]:
+        """What the view is made from, besides the world."""
+        return self._number, self._sheet
+
     def handle(self, memory: Memory, world: World, intent: OpenLesson | ShowSheet) -> list[Action]:
         """Show a lesson, its page or a picture."""
         if isinstance(intent, ShowSheet):

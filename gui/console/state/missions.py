@@ -11,12 +11,13 @@ from gui.console.state.actions import NEW, POSES, Action, Play, Send, SendStop
 from gui.console.state.gestures import CONTROL
 from gui.console.state.intents import Intent, WindowPage
 from gui.console.state.lesson_strip import MARKS, LessonStrip, OpenLesson, ShowSheet
-from gui.console.state.memory import Memory, Motion, RequestRow, begin
+from gui.console.state.memory import Kept, Memory, Motion, RequestRow, begin
 from gui.console.state.pills import finding, problem
 from gui.console.state.seen_moves import SeenMoves
 from gui.console.state.sending import PAD, REASONS
 from gui.console.state.views import Condition, StripView, button
 from gui.console.state.world import World, online
+from gui.console.texts import Texts
 
 STEPS: Final = ("ready", "drag", "send", "stop")
 MISSIONS: Final = ("no", "edge", "lead", "hm", "arm", "sleepy", "circle", "dance")
@@ -64,6 +65,7 @@ class Guide:
         self._seen: defaultdict[str, SeenMoves] = defaultdict(SeenMoves)
         """by side"""
         self._lessons = LessonStrip()
+        self._kept = Kept[StripView]()
 
     def follow(self, memory: Memory, world: World) -> None:
         """Go on to the next task if the robots, or the outcomes of requests, show that the present one is done."""
@@ -121,6 +123,11 @@ class Guide:
         texts = memory.choices.texts
         if world.is_teacher or memory.choices.page is WindowPage.CLASS or self.done > len(TASKS):
             return None
+        made_from = texts.code, self.done, self._praise, self._hint, self._lessons.state, world.lesson
+        return self._kept.get(made_from, lambda: self._made(memory, world, texts))
+
+    def _made(self, memory: Memory, world: World, texts: Texts) -> StripView:
+        """Return the view of what is not closed."""
         close = button(texts, "guide.close", CloseGuide())
         if self.done == len(TASKS):
             lesson = self._lessons.view(memory, world, close)
