@@ -245,6 +245,15 @@ def test_a_lesson_is_read_started_checked_and_passed_in_the_strip() -> None:
     assert view.lessons[0].text == "● 1  Hello, head"
 
 
+def test_a_lesson_before_the_missions_are_done_leaves_them() -> None:
+    state = begun("arm")
+    state.handle(OpenLesson(3), WELL)
+    state.follow(turned(0, 0, arms=(21, 0, 0)))
+    assert text(state).startswith("Lesson 3")
+    state.handle(lesson(state).lessons[0].intent, WELL)
+    assert text(state).startswith("Mission 5 of 8")
+
+
 def test_another_lesson_ends_the_check() -> None:
     state = State(Saved(guided=len(TASKS)))
     now = replace(WELL, lesson=LessonRun(programs={"02-steps": "x"}, watched=1))

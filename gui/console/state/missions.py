@@ -41,7 +41,7 @@ class CloseGuide(Intent, frozen=True):
 
 
 class OpenGuide(Intent, frozen=True):
-    """Show the strip again, with the lessons."""
+    """Show the strip again: the next task, or the lessons."""
 
 
 class ShowHint(Intent, frozen=True):
@@ -65,13 +65,15 @@ class Guide:
         self._seen: defaultdict[str, SeenMoves] = defaultdict(SeenMoves)
         """by side"""
         self._lessons = LessonStrip()
+        self._reads = False
+        """whether lessons are shown before all tasks are done"""
         self._kept = Kept[StripView]()
 
     def follow(self, memory: Memory, world: World) -> None:
         """Go on to the next task if the robots, or the outcomes of requests, show that the present one is done."""
         if self._lessons.passes(world):
             self._cheer_s = world.now_s
-        if self.done >= len(TASKS):
+        if self.done >= len(TASKS) or self._reads:
             return
         others_move = world.playing or world.blocks_run or world.face.running  # none of them is a solution
         for side in () if others_move else SIDES:
@@ -92,7 +94,8 @@ class Guide:
             return []
         newest, texts = memory.rows[-1] if memory.rows else None, memory.choices.texts
         moves = world.plan or world.playing or world.blocks_run or world.face.running
-        waits = memory.choices.target or memory.live_row or any(_is_open(row) for row in memory.rows)
+        held = memory.open_hold or (memory.live_row or 0) > 0
+        waits = held or memory.choices.target or any(_is_open(row) for row in memory.rows)
         stopped = newest is not None and isinstance(newest.request, SendStop)
         if moves or waits or stopped or finding(world, "sim", texts).condition is not Condition.READY:
             return []
@@ -104,7 +107,7 @@ class Guide:
         self._praise = False
         match intent:
             case OpenLesson() | ShowSheet():
-                self.done = max(self.done, len(TASKS)) if isinstance(intent, OpenLesson) else self.done
+                self._reads = self._reads or isinstance(intent, OpenLesson)
                 return self._lessons.handle(memory, world, intent)
             case ShowHint():
                 self._hint = not self._hint
@@ -112,7 +115,7 @@ class Guide:
             case CloseGuide():
                 self.done = CLOSED
             case OpenGuide():
-                self.done = min(self.done, len(TASKS))
+                self.done, self._reads = min(self.done, len(TASKS)), False
             case _:
                 self.done = min(self.done + 1, len(TASKS))
         self._begin(memory)
@@ -123,14 +126,25 @@ class Guide:
         texts = memory.choices.texts
         if world.is_teacher or memory.choices.page is WindowPage.CLASS or self.done > len(TASKS):
             return None
-        made_from = texts.code, self.done, self._praise, self._hint, self._lessons.state, world.lesson
+        made_from = (
+            texts.code,
+            self.done,
+            self._reads,
+            self._praise,
+            self._hint,
+            self._lessons.state,
+            world.lesson,
+        )
         return self._kept.get(made_from, lambda: self._made(memory, world, texts))
 
     def _made(self, memory: Memory, world: World, texts: Texts) -> StripView:
         """Return the view of what is not closed."""
         close = button(texts, "guide.close", CloseGuide())
-        if self.done == len(TASKS):
+        if self.done == len(TASKS) or self._reads:
             lesson = self._lessons.view(memory, world, close)
+            if self.done < len(TASKS):
+                missions = button(texts, "guide.missions", OpenGuide())
+                lesson = replace(lesson, lessons=(missions, *lesson.lessons))
             praised = texts("guide.well_done", text=lesson.text)
             return replace(lesson, text=praised, good=True) if self._praise else lesson
         task = TASKS[self.done]
