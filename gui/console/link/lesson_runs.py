@@ -29,9 +29,10 @@ END_S: Final = 1.5
 class LessonRuns:
     """Runs one `lesson watch` at a time; all methods return at once."""
 
-    def __init__(self, jobs: Jobs) -> None:
+    def __init__(self, jobs: Jobs, *, reads: bool = True) -> None:
+        """Start nothing yet; `reads`: whether to read what was passed so far, which no page shows."""
         self._jobs = jobs
-        self._run: LessonRun | None = None
+        self._run = None if reads else LessonRun()
         self._lock = threading.Lock()
         self._wanted = 0
         """counts the watches, and their ends"""

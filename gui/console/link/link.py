@@ -77,7 +77,7 @@ class Link:
         self._children = Children(jobs, self._connection.try_now)
         self._recordings, self._ports = Recordings(jobs), Ports(jobs)
         self._routers = Routers(jobs, self._connection, self.moving.deselect)
-        self._lesson_runs = LessonRuns(jobs)
+        self._lesson_runs = LessonRuns(jobs, reads=shared is None)
         self._table = self._carrying_out()
 
     def look(self) -> None:

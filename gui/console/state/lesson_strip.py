@@ -69,7 +69,8 @@ class LessonStrip:
         new, self._seen = world.lesson.report is not self._seen, world.lesson.report
         passed = new and self._seen.outcome == "passed"
         if passed:
-            self._number = next(one.number for one in known("en") if one.name == self._seen.lesson)
+            named = (one.number for one in known("en") if one.name == self._seen.lesson)
+            self._number = next(named, self._number)
         return passed
 
     def menu(self, memory: Memory, world: World) -> tuple[ButtonView, ...]:
