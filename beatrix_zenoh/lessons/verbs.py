@@ -159,7 +159,7 @@ def start(
     head, *labels = START[found.language]
     say(head.format(number=number, title=found.title, minutes=found.about.minutes))
     say(f"  {found.goal}")
-    values = (folder, _shown(folder / "lesson.md"), _shown(program), f"beatrix lesson check {number}")
+    values = (folder, _shown(folder / "lesson.md"), _shown(program), f"beatrix lesson watch {number}")
     for label, value in zip(labels, values, strict=True):
         say(f"  {label:<8} {value}")
 

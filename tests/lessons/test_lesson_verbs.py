@@ -101,7 +101,7 @@ def test_a_lesson_must_exist_and_be_started() -> None:
 
 def test_german_is_chosen_once() -> None:
     text = good("start", "1", "--language", "de").splitlines()
-    assert (text[0], text[-1]) == ("Lektion 1: Doppelt (5 Minuten)", "  prüfen   beatrix lesson check 1")
+    assert (text[0], text[-1]) == ("Lektion 1: Doppelt (5 Minuten)", "  prüfen   beatrix lesson watch 1")
     assert START.with_name("lesson.md").read_text() == "# Doppelt\n"
     assert checked("1").stdout.splitlines()[0] == "Noch nicht: Doppelt (Versuch 1)."
 
