@@ -29,6 +29,7 @@ class LessonSheet(Sheet):
         self.page, self.picture = QTextBrowser(), QSvgWidget()
         self.page.setOpenLinks(False)
         self.page.setAccessibleName(texts("strip.lessons"))
+        named(self.picture, texts("strip.picture"), texts("strip.picture_tip"))
         self.close_button = plain_button(texts("strip.hide"), texts("strip.hide_tip"))
         self.close_button.clicked.connect(lambda: self.intent.emit(ShowSheet("")))
         picture = in_row(None, self.picture, None)
@@ -49,7 +50,7 @@ class LessonSheet(Sheet):
             self.page.setFixedHeight(min(round(document.size().height()) + 12, room))
         if view.picture:
             self.picture.load(view.picture)
-            named(self.picture, self.accessibleName(), "").setFixedSize(self._picture_size())
+            self.picture.setFixedSize(self._picture_size())
         self.appear(self.close_button)
 
     def _picture_size(self) -> QSize:
