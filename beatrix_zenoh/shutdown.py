@@ -81,19 +81,20 @@ def signals_interrupt() -> Iterator[Shutdown]:
         shutdown.request()
         raise KeyboardInterrupt
 
-    with _handled(interrupt):
+    with handled(interrupt):
         yield shutdown
 
 
 @contextmanager
 def signals_ignored() -> Iterator[None]:
     """Ignore these signals in this block, which must end within a bounded time."""
-    with _handled(signal.SIG_IGN):
+    with handled(signal.SIG_IGN):
         yield
 
 
 @contextmanager
-def _handled(handler: Callable[[int, FrameType | None], None] | signal.Handlers) -> Iterator[None]:
+def handled(handler: Callable[[int, FrameType | None], None] | signal.Handlers) -> Iterator[None]:
+    """Let a handler handle these signals in this block."""
     # SIGHUP stays ignored under nohup. SIGINT is handled even where a shell ignores it for background jobs.
     numbers = [n for n in SIGNALS if n == signal.SIGINT or signal.getsignal(n) is not signal.SIG_IGN]
     before = [(number, signal.signal(number, handler)) for number in numbers]

@@ -45,6 +45,13 @@ PREVIEW_S = 10.0
 SLOWEST_DEFAULT = math.radians(ALLOWED["limits"]["speed_default"].low)
 
 
+class ShownReply(CommandReply, frozen=True, kw_only=True):
+    """A reply that a notebook or Python's prompt shows as its sentence, with angles in degrees."""
+
+    def __repr__(self) -> str:
+        return self.message
+
+
 class Robot(RobotWithRoom, Movable[Motion, Preview]):
     """One robot: `Robot("bea1", side="sim")`. Use it in a `with` block, or close it.
 
@@ -104,7 +111,7 @@ class Robot(RobotWithRoom, Movable[Motion, Preview]):
         answer = SentStop(self.client, self.place, self.timeout_s).answer()
         if isinstance(answer, BeatrixError):
             raise answer
-        return answer
+        return ShownReply(**structs.asdict(answer))
 
     def emergency_stop(self) -> CommandReply:
         """Switch the motors off at once; the head falls. Then set it upright, and call `reset` and `make_ready`."""
@@ -119,7 +126,7 @@ class Robot(RobotWithRoom, Movable[Motion, Preview]):
             command=command.value, value=true_or_false("value", value), source=self.client.source
         )
         timeout_s = self.timeout_s if timeout_s is None else checked_seconds("timeout_s", timeout_s)
-        return accepted(ask(self.client, self.place, key, query, CommandReply, timeout_s))
+        return accepted(ask(self.client, self.place, key, query, ShownReply, timeout_s))
 
     def lease(self, wait_s: float = 0.0) -> Lease:
         """Take the robot: only this seat and the teacher may move it until the lease is closed or this program ends.

@@ -17,7 +17,7 @@ import math
 import re
 import time
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext, suppress
 from pathlib import Path
 from typing import Self
 
@@ -45,7 +45,7 @@ from beatrix_zenoh.lessons.phrases import (
 )
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.sandbox import Sandbox, scratch
-from beatrix_zenoh.lessons.stage import POLL_S, PUPIL, ROBOT, Seen, Stage, open_stage, pace
+from beatrix_zenoh.lessons.stage import POLL_S, PUPIL, ROBOT, Seen, Stage, Stages, open_stage, pace
 
 __all__ = ["Attempt", "NotMeasurable", "Seen", "Stage", "Unmet"]
 
@@ -75,6 +75,7 @@ class Attempt(Checked):
         limit_s: float,
         keep: Path | None = None,
         tell: Callable[[Phrase], None] = lambda _: None,
+        stages: Stages = open_stage,
     ) -> None:
         """Prepare a check.
 
@@ -83,8 +84,10 @@ class Attempt(Checked):
             limit_s: longest time of the program with a robot (s).
             keep: record the robots of a run to this file, which is overwritten; None: record nothing.
             tell: is called with sentences about a check that takes long.
+            stages: runs a stage during a block, as `open_stage` does.
         """
         self.program, self._limit_s, self._keep, self._tell = program, limit_s, keep, tell
+        self._stages = stages
         self._shared: Stage | None = None
         self._open = ExitStack()
         self._functions: LineChild | None = None
@@ -102,7 +105,7 @@ class Attempt(Checked):
     @contextmanager
     def on_stage(self, *robots: str) -> Iterator[None]:
         """Observe on one stage during a block, as each run leaves it, because its start takes seconds."""
-        with open_stage(robots, tell=self._tell) as self._shared:
+        with self._stages(robots, "still", None, self._tell) as self._shared:
             yield
         self._shared = None
 
@@ -286,6 +289,12 @@ class Attempt(Checked):
                     limit_s = run.seconds + within_s
                 self._finish(run, stage, limit_s, ends=seconds is None)
                 return self._judge(stage, run)
+            except Unmet:
+                with suppress(NotMeasurable):
+                    self.panels = self.draw(
+                        {name: one.end(run.began_ns) for name, one in stage.watches.items()}
+                    )
+                raise
             finally:
                 run.close()
                 self.cores = run.cores
@@ -294,11 +303,14 @@ class Attempt(Checked):
         self, robots: tuple[str, ...], path: str = "still", robot_file: Path | None = None
     ) -> AbstractContextManager[Stage]:
         """Return the stage of `on_stage`, or a new one."""
-        return nullcontext(self._shared) if self._shared else open_stage(robots, path, robot_file, self._tell)
+        return (
+            nullcontext(self._shared) if self._shared else self._stages(robots, path, robot_file, self._tell)
+        )
 
     def _judge(self, stage: Stage, run: Run) -> dict[str, Seen]:
-        """Return what the robots did, and set `doubt`; raises NotMeasurable."""
+        """Return what the robots did, and set `doubt` and `panels`; raises NotMeasurable."""
         found = {name: watch.end(run.began_ns) for name, watch in stage.watches.items()}
+        self.panels = self.draw(found)
         self.doubt = next((seen.doubt for seen in found.values() if seen.doubt), None)
         return found
 

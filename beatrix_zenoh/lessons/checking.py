@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import runpy
 import shutil
 import textwrap
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from pathlib import Path
 
@@ -24,8 +25,10 @@ from beatrix_zenoh.lessons.phrases import (
     phrase,
     said,
 )
+from beatrix_zenoh.lessons.picture import svg
 from beatrix_zenoh.lessons.program import Program
 from beatrix_zenoh.lessons.progress import Record
+from beatrix_zenoh.lessons.stage import Stages, open_stage
 from beatrix_zenoh.output import say
 
 BUSY_CORES = 0.5
@@ -57,6 +60,8 @@ class Verdict:
     """number of the hint that helps; 0: none"""
     values: dict[str, object] = field(default_factory=dict)
     """the values behind the sentences"""
+    picture: str = ""
+    """what was asked and done, as SVG; empty: there is none"""
 
 
 def check(
@@ -65,6 +70,7 @@ def check(
     *,
     keep: Path | None = None,
     tell: Callable[[str], None] = lambda _: None,
+    stages: Stages = open_stage,
 ) -> Verdict:
     """Check a program.
 
@@ -73,12 +79,14 @@ def check(
         program: the pupil's program.
         keep: record the robots of an observed run to this file, which is overwritten.
         tell: is called with sentences about a check that takes long, in the language of the lesson.
+        stages: runs the stages of the check.
     """
     attempt = Attempt(
         program,
         limit_s=lesson.about.limit_s,
         keep=keep,
         tell=lambda text: tell(str(said(text, lesson.language))),
+        stages=stages,
     )
 
     def run() -> None:
@@ -99,7 +107,8 @@ def judged(lesson: Lesson, checked: Checked, run: Callable[[], None]) -> Verdict
     except Unmet as unmet:
         if checked.doubt:
             return not_measurable(lesson, busy(checked.doubt).why, checked.cores)
-        return verdict(lesson, unmet)
+        picture = svg(checked.panels, lesson.language) if checked.panels else ""
+        return replace(verdict(lesson, unmet), picture=picture)
     except NotMeasurable as why:
         return not_measurable(lesson, why.why, checked.cores)
     except BeatrixError as error:
@@ -153,7 +162,15 @@ def verdict(lesson: Lesson, unmet: Unmet) -> Verdict:
 
 FURTHER = "Next: the last part of the page; how we did it: `beatrix lesson solution {number}`."
 LABELS = {
-    "en": ("Passed: {title}.", "Not yet: {title} (try {tries}).", "asked", "found", "Hint", FURTHER),
+    "en": (
+        "Passed: {title}.",
+        "Not yet: {title} (try {tries}).",
+        "asked",
+        "found",
+        "Hint",
+        FURTHER,
+        "Picture",
+    ),
     "de": (
         "Bestanden: {title}.",
         "Noch nicht: {title} (Versuch {tries}).",
@@ -161,6 +178,7 @@ LABELS = {
         "gefunden",
         "Hinweis",
         "Weiter: der letzte Teil der Seite; so haben wir es gelöst: `beatrix lesson solution {number}`.",
+        "Bild",
     ),
 }
 WIDTH = 100
@@ -175,7 +193,17 @@ def filled(text: str, indent: str = "") -> str:
     )
 
 
-def document(found: Lesson, verdict: Verdict, record: Record) -> dict[str, object]:
+def keep_picture(verdict: Verdict, file: Path) -> Path | None:
+    """Write the picture of a verdict; return the file, or None if there is no picture: then no older one is left."""
+    with contextlib.suppress(OSError):  # the verdict is more important
+        file.unlink(missing_ok=True)
+        if verdict.picture:
+            file.write_text(verdict.picture, encoding="utf-8")
+            return file
+    return None
+
+
+def document(found: Lesson, verdict: Verdict, record: Record, picture: Path | None) -> dict[str, object]:
     """Return a verdict as JSON."""
     plain = int | float | str | None
     return {
@@ -189,12 +217,13 @@ def document(found: Lesson, verdict: Verdict, record: Record) -> dict[str, objec
         "hint": verdict.hint,
         "values": {name: one if isinstance(one, plain) else str(one) for name, one in verdict.values.items()},
         "tries": record.tries,
+        "picture": "" if picture is None else str(picture),
     }
 
 
-def show(found: Lesson, verdict: Verdict, record: Record) -> None:
+def show(found: Lesson, verdict: Verdict, record: Record, picture: Path | None) -> None:
     """Print a verdict for the pupil."""
-    passed, not_yet, asked, wrong, hint, further = LABELS[found.language]
+    passed, not_yet, asked, wrong, hint, further, seen = LABELS[found.language]
     if verdict.result is Result.PASSED:
         say(passed.format(title=found.title))
         say(further.format(number=found.number))
@@ -209,3 +238,5 @@ def show(found: Lesson, verdict: Verdict, record: Record) -> None:
     say(filled(verdict.means, "  "))
     if verdict.hint:
         say(f"  {hint}: beatrix lesson hint {found.number}")
+    if picture is not None:
+        say(f"  {seen}: {picture}")

@@ -68,6 +68,7 @@ class OwnRun(Checked):
         if not self._began_ns:
             raise busy(phrase("no_positions"))
         seen = self._watch.end(self._began_ns)
+        self.panels = self.draw({self._robot: seen})
         if not self.in_time:
             raise Unmet("ends", what=phrase("program"), limit=self._limit_s, **pace({self._robot: seen}))
         self.doubt = seen.doubt
@@ -88,7 +89,9 @@ class OwnRun(Checked):
         return checking.judged(lesson, self, lambda: checking.check_of(lesson)(self))
 
 
-def keep(lesson: Lesson, verdict: Verdict, program: str, folder: Path, settings: Settings) -> Record:
+def keep(
+    lesson: Lesson, verdict: Verdict, program: str, folder: Path, settings: Settings | None = None
+) -> Record:
     """Count a verdict in the progress of a seat, report it to the router, and return the record of the lesson.
 
     Args:
@@ -96,7 +99,7 @@ def keep(lesson: Lesson, verdict: Verdict, program: str, folder: Path, settings:
         verdict: what came of the check.
         program: the program that has run, as text.
         folder: keeps `progress.json` of this seat only.
-        settings: those of the seat, whose account reports.
+        settings: those of the seat, whose account reports; None: of this process.
 
     Raises Refused (BAD_VALUE) if the folder cannot be read or written.
     """

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import time
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
 
@@ -19,6 +19,10 @@ from beatrix_zenoh.contract._generated.messages import Detail, Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.contract.sentences.templates import Number
 from beatrix_zenoh.lesson_files import ENGLISH
+
+if TYPE_CHECKING:
+    from beatrix_zenoh.lessons.measures import HeadCurves
+    from beatrix_zenoh.lessons.picture import Panel
 
 FILE = Path(__file__).with_suffix(".toml")
 EVERY_S = 10.0
@@ -114,6 +118,10 @@ class Checked:
     """why a figure that is not met may be the fault of this computer; None: it was fast enough"""
     cores: float = 0.0
     """part of a core that the last observed program has used; 0 if the system does not tell"""
+    draw: Callable[[Mapping[str, HeadCurves]], Sequence[Panel]] = staticmethod(lambda _: ())
+    """set by a check: returns the picture of a run from what each robot did"""
+    panels: Sequence[Panel] = ()
+    """the picture of what was asked and done; empty: none"""
 
     @staticmethod
     def require(figure: str, met: bool, **values: object) -> None:  # noqa: FBT001 - reads as a sentence

@@ -24,6 +24,8 @@ LONGEST = 4_000_000
 MAGIC = re.compile(r"^([ \t]*)[%!?]", re.MULTILINE)
 """Beginning of a line that only notebooks understand, for example `%matplotlib inline`."""
 CELL = "# %%"
+READ = 3
+"""Parts of a page to read before the program: title, prediction and run."""
 
 
 @dataclass(frozen=True)
@@ -111,26 +113,32 @@ def without_magic(cell: str) -> str:
     return cell
 
 
-def notebook(program: str) -> str:
-    """Return a notebook: the program's docstring as text, the title of each cell as text, its code as code."""
+def notebook(program: str, page: str, check: str) -> str:
+    """Return a notebook: the page of the lesson up to its second part, the program, the other parts, and the check.
+
+    Args:
+        program: its docstring is left out; the title of each cell becomes text, its code code.
+        page: of the lesson; the page's title and each of its parts become a cell.
+        check: a line for the notebook that checks the program.
+    """
     head, *parts = ("\n" + program).split("\n# %%")
-    cells: list[dict[str, object]] = []
-    docstring = ast.get_docstring(ast.parse(head))
-    if docstring is not None:
-        cells.append(_cell("markdown", f"# {docstring}", len(cells)))
-        head = _without_docstring(head)
-    if head.strip():
-        cells.append(_cell("code", head.strip("\n"), len(cells)))
+    before, after = (chapters := re.split(r"\n(?=## )", page))[:READ], chapters[READ:]
+    found = [("markdown", text) for text in before]
+    found.append(("code", _without_docstring(head)))
     for part in parts:
         title, _, code = part.partition("\n")
-        if title.strip():
-            cells.append(_cell("markdown", f"## {title.strip()}", len(cells)))
-        if code.strip():
-            cells.append(_cell("code", code.strip("\n"), len(cells)))
+        found += [("markdown", f"### {title.strip()}" if title.strip() else ""), ("code", code)]
+    found += [*(("markdown", text) for text in after), ("code", check)]
+    cells = [
+        _cell(kind, text.strip("\n"), number)
+        for number, (kind, text) in enumerate(one for one in found if one[1].strip())
+    ]
     return json.dumps({"cells": cells, "metadata": KERNEL, **FORMAT}, indent=1, ensure_ascii=False) + "\n"
 
 
 def _without_docstring(head: str) -> str:
+    if ast.get_docstring(ast.parse(head)) is None:
+        return head
     first = ast.parse(head).body[0]
     return "\n".join(head.split("\n")[first.end_lineno or 0 :])
 

@@ -44,6 +44,12 @@ TRIAL: Final = (
 TRIAL_S: Final = 10.0
 
 
+def at_home(folder: Path) -> dict[str, str]:
+    """Return the variables of a process whose home and settings are in a folder."""
+    packages = site.getuserbase()  # those of `pip install --user` would be in the home
+    return {**dict.fromkeys((*HOMES, "XDG_CONFIG_HOME"), str(folder)), "PYTHONUSERBASE": packages}
+
+
 class Sandbox:
     """The surroundings of one program, which finds its files as when the user runs it by hand.
 
@@ -60,8 +66,7 @@ class Sandbox:
         """Return the variables of the program's environment, with some more."""
         kept = {key: text for key, text in os.environ.items() if key in KEPT or key.startswith("LC_")}
         own = {
-            **dict.fromkeys(HOMES, str(self._home)),
-            "PYTHONUSERBASE": site.getuserbase(),  # packages of `pip install --user` would be in the home
+            **at_home(self._home),
             "PYTHONUNBUFFERED": "1",
             "PYTHONIOENCODING": "utf-8",
             "MPLBACKEND": "Agg",  # `plt.show()` would wait for a window

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import socket
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -21,7 +21,7 @@ from beatrix_zenoh.client.subscription import Subscription
 from beatrix_zenoh.contract._generated.messages import Event, EventKind, Positions, Status
 from beatrix_zenoh.lessons.measures import Curve, HeadCurves
 from beatrix_zenoh.lessons.phrases import Phrase, Still, Tell, busy, phrase
-from beatrix_zenoh.lessons.sandbox import PREFIX
+from beatrix_zenoh.lessons.sandbox import PREFIX, at_home, scratch
 from beatrix_zenoh.processes import Child, Supervisor
 from beatrix_zenoh.settings import Settings
 
@@ -244,8 +244,9 @@ def open_stage(
         endpoint = f"tcp/127.0.0.1:{free.getsockname()[1]}"
     with ExitStack() as running:
         running.callback(zbus.open_router(endpoint).close)
-        # The router of a check has no accounts.
-        supervisor = running.enter_context(Supervisor({"BEATRIX_ACCOUNT": ""}, PREFIX))
+        # The router of a check has no accounts, and a robot of the user that is frozen freezes no check.
+        own = {"BEATRIX_ACCOUNT": "", **at_home(running.enter_context(scratch()))}
+        supervisor = running.enter_context(Supervisor(own, PREFIX))
         stage = Stage(tuple(names), endpoint, tell, supervisor, running)
         robots = [word for name in names for word in ("--name", name)]
         values = ("--robot-file", str(robot_file)) if robot_file else ()
@@ -254,3 +255,7 @@ def open_stage(
         client = running.enter_context(Client(Settings(names[0], endpoint, SEAT)))
         stage.watches |= {name: RobotWatch(client, name) for name in names}
         yield stage
+
+
+Stages = Callable[[Sequence[str], str, Path | None, Tell], AbstractContextManager[Stage]]
+"""What runs a stage during a block; arguments as of `open_stage`."""

@@ -5,28 +5,40 @@ from __future__ import annotations
 import contextlib
 import itertools
 import shutil
+import sys
 from collections.abc import Iterator
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from beatrix_zenoh.contract.errors import bad_value
+from beatrix_zenoh.contract.errors import BeatrixError, bad_value
 from beatrix_zenoh.lesson_files import Lesson, find, lessons
 from beatrix_zenoh.lessons import program as programs
 from beatrix_zenoh.lessons import progress
 from beatrix_zenoh.lessons.class_verbs import Number, report, turn
 from beatrix_zenoh.lessons.progress import Record, Workspace
-from beatrix_zenoh.output import columns, note, print_json, say
+from beatrix_zenoh.output import columns, note, print_failure, print_json, say
 from beatrix_zenoh.terminal.options import Json
+
+if TYPE_CHECKING:
+    from beatrix_zenoh.lessons.checking import Verdict
+    from beatrix_zenoh.lessons.stage import Stages
 
 START = {
     "en": ("Lesson {number}: {title} ({minutes} minutes)", "folder", "read", "change", "check"),
     "de": ("Lektion {number}: {title} ({minutes} Minuten)", "Ordner", "lesen", "ändern", "prüfen"),
 }
 """What `start` prints: the head, and the labels of the lines below it."""
+CHECK = {
+    "en": "# Save the notebook, then run this cell.\n!beatrix lesson check {number}",
+    "de": "# Sichere das Notebook, dann starte diese Zelle.\n!beatrix lesson check {number}",
+}
+NEXT = {"en": "The next lesson", "de": "Die nächste Lektion"}
 LESSON = "`beatrix lesson"
+CLEAR = "\x1b[2J\x1b[H"
+"""Clears the screen of a terminal, so that only the newest verdict is on it."""
 lesson = typer.Typer(
     name="lesson",
     help="Learn with the robot. Begin with `beatrix lesson list`.",
@@ -147,14 +159,17 @@ def start(
     head, *labels = START[found.language]
     say(head.format(number=number, title=found.title, minutes=found.about.minutes))
     say(f"  {found.goal}")
-    values = (folder, _shown(folder / "lesson.md"), _shown(program), f"beatrix lesson check {number}")
+    values = (folder, _shown(folder / "lesson.md"), _shown(program), f"beatrix lesson watch {number}")
     for label, value in zip(labels, values, strict=True):
         say(f"  {label:<8} {value}")
 
 
 def _write_program(found: Lesson, path: Path) -> None:
     text = (found.folder / "start.py").read_text(encoding="utf-8")
-    path.write_text(programs.notebook(text) if path.suffix == ".ipynb" else text, encoding="utf-8")
+    if path.suffix == ".ipynb":
+        page = found.page.read_text(encoding="utf-8")
+        text = programs.notebook(text, page, CHECK[found.language].format(number=found.number))
+    path.write_text(text, encoding="utf-8")
 
 
 @lesson.command()
@@ -169,34 +184,76 @@ def check(
 
     Exit codes: 0 passed, 1 not yet, 4 this computer was too busy to measure.
     """
-    from beatrix_zenoh.client import lesson_reports
-    from beatrix_zenoh.lessons import checking
-    from beatrix_zenoh.lessons.sandbox import refuse_teacher
-    from beatrix_zenoh.settings import resolve_valid
+    from beatrix_zenoh.lessons.stage import open_stage
     from beatrix_zenoh.shutdown import signals_interrupt
 
-    refuse_teacher(resolve_valid()[0].account)
-    workspace = _workspace()
-    found, path = _program(number, workspace)
-    program = programs.read(path)
-    note(f"Checking {_shown(path)} …")
+    found, path = _checkable(number)
     recording = path.with_name("check.rrd")
+    note(f"Checking {_shown(path)} …")
     with signals_interrupt():
-        verdict = checking.check(found, program, keep=recording if keep else None, tell=note)
+        verdict = _judge(found, path, open_stage, as_json, recording if keep else None)
     if keep and not recording.exists():
         note("This check used no simulated robot that runs in real time: there is nothing to record.")
-    workspace = _workspace()  # another check may have ended meanwhile
-    record = workspace.record(found.name)
-    checking.count(record, verdict, progress.sealed(found.name, program.sha256))
-    if as_json:
-        print_json(checking.document(found, verdict, record))
-    else:
-        checking.show(found, verdict, record)
-    workspace.save()
-    measured = verdict.result is not checking.Result.NOT_MEASURABLE
-    lesson_reports.report(found.name, record.state(measured=measured))
     if verdict.result.value:
         raise typer.Exit(verdict.result.value)
+
+
+@lesson.command("watch")
+def watch_program(number: LatestNumber = None, as_json: Json = False) -> None:
+    """Check your program now and at each save, until it passes or you press Ctrl-C.
+
+    It is faster than `check`: the simulation stays up. With --json each line is a document.
+    """
+    from beatrix_zenoh.lessons.checking import Result, Verdict
+    from beatrix_zenoh.lessons.watching import watch
+
+    found, _ = _checkable(number)
+    workspace = _workspace()
+
+    def check_now(path: Path, stages: Stages) -> Verdict:
+        if as_json:
+            print_json({"lesson": found.name, "outcome": "checks"})
+        else:
+            if sys.stdout.isatty():
+                print(CLEAR, end="")
+            note(f"Checking {_shown(path)} …")
+        try:
+            verdict = _judge(found, path, stages, as_json)
+        except BeatrixError as error:  # for example a file that is no text: the next save may cure it
+            verdict = Verdict(Result.NOT_MEASURABLE)
+            print_failure(error.reason, error.message) if as_json else say(error.message)
+        if not as_json and verdict.result.value:
+            note(f"Save {_shown(path)} to check it again; Ctrl-C ends.")
+        return verdict
+
+    passed = watch(lambda: workspace.programs(found.name), check_now)
+    following = min((one.number for one in lessons() if one.number > found.number), default=None)
+    if passed and following and not as_json:
+        say(f"{NEXT[found.language]}: beatrix lesson start {following}")
+
+
+def _checkable(number: int | None) -> tuple[Lesson, Path]:
+    """Return lesson and program as `_program`; raises Refused to the teacher, whose account the program could use."""
+    from beatrix_zenoh.lessons.sandbox import refuse_teacher
+    from beatrix_zenoh.settings import resolve_valid
+
+    refuse_teacher(resolve_valid()[0].account)
+    return _program(number, _workspace())
+
+
+def _judge(found: Lesson, path: Path, stages: Stages, as_json: bool, keep: Path | None = None) -> Verdict:
+    """Check a program, show the verdict, and keep and report it."""
+    from beatrix_zenoh.lessons import checking, own_run
+
+    program = programs.read(path)
+    verdict = checking.check(found, program, keep=keep, tell=note, stages=stages)
+    record = own_run.keep(found, verdict, program.text, path.parents[1])
+    picture = checking.keep_picture(verdict, path.with_name(f"lesson-{found.number}.svg"))
+    if as_json:
+        print_json(checking.document(found, verdict, record, picture))
+    else:
+        checking.show(found, verdict, record, picture and _shown(picture))
+    return verdict
 
 
 def _program(number: int | None, workspace: Workspace) -> tuple[Lesson, Path]:

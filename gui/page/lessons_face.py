@@ -77,6 +77,8 @@ class CheckView(msgspec.Struct, frozen=True):
     asked: str = ""
     found: str = ""
     means: str = ""
+    picture: str = ""
+    """as SVG; empty: there is none"""
 
 
 class Lessons:
@@ -204,6 +206,7 @@ def _view(lesson: BlockLesson, verdict: Verdict) -> CheckView:
         asked=verdict.asked,
         found=verdict.found,
         means=verdict.means,
+        picture=verdict.picture,
     )
 
 

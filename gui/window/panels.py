@@ -31,6 +31,7 @@ from gui.window.widgets.sending import CommandsPanel, SendingPanel, StopBar
 from gui.window.widgets.sequence import SequencePanel
 from gui.window.widgets.showing import ShowButtons
 from gui.window.widgets.steering import Steering
+from gui.window.widgets.strip import Strip
 
 P = TypeVar("P", bound=Panel)
 LOW_PX = 680
@@ -85,7 +86,7 @@ class Panels(QWidget):
         """the part of the view that each panel shows; without an entry it shows nothing yet"""
         self.header = self._add(Header(texts), lambda view: view)
         self.banner = self._add(Banner(), lambda view: view.banner)
-        self.guide = self._add(Banner(quiet=True), lambda view: view.guide)
+        self.guide = self._add(Strip(texts), lambda view: view.guide)
         self.head = self._add(HeadPanel(texts), lambda view: view.head)
         self.head3d = self._add(Head3d(texts), lambda view: view.head)
         self._add(self.head3d.room, lambda view: view.room)

@@ -25,6 +25,7 @@ from gui.console.state.intents import (
     Undo,
     WindowPage,
 )
+from gui.console.state.lesson_strip import ShowSheet
 from gui.console.state.state import State
 from gui.console.state.views import View
 from gui.console.texts import Texts
@@ -81,7 +82,7 @@ class Window(QMainWindow):
         """Show the present world."""
         self._world = self._link.world()
         self._delayed_refresh.stop()
-        for action in self._state.follow(self._world):
+        for action in (*self._state.follow(self._world), *self._state.celebration(self._world)):
             self._link.do(action)
         self._show(self._state.view(self._world))
         self.panels.plots.append(self._world)  # views do not contain the positions
@@ -133,6 +134,8 @@ class Window(QMainWindow):
 
     def _close_sheets(self) -> None:
         self.panels.key_sheet.hide()
+        if self.panels.guide.shows_sheet:
+            self.handle(ShowSheet(""))
         if self.panels.connect_sheet.isVisible():
             self.handle(CloseConnect())
 

@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import pytest
 from gui_worlds import absent, positions, refused, robot, status, world
+from msgspec import structs
 
-from beatrix_zenoh.contract._generated.messages import Reason
-from gui.console.state.actions import Abort, Action, Outcome, Send, SendNow, SendStop
+from beatrix_zenoh.contract._generated.messages import Head, Reason
+from gui.console.state.actions import Abort, Action, Outcome, Play, RunLesson, Send, SendNow, SendStop
 from gui.console.state.intents import AimHead, Choose, Intent, SendHead, Stop
-from gui.console.state.missions import MISSIONS, STEPS, TASKS, CloseGuide, SkipTask
+from gui.console.state.lesson_run import CheckReport, LessonRun
+from gui.console.state.lesson_strip import OpenLesson, ShowSheet
+from gui.console.state.missions import MISSIONS, STEPS, TASKS, CloseGuide, OpenGuide, ShowHint, SkipTask
 from gui.console.state.saved import Saved
 from gui.console.state.state import State
-from gui.console.state.world import PlanPhase, PlanProgress, World
+from gui.console.state.views import StripView
+from gui.console.state.world import FaceProgress, PlanPhase, PlanProgress, World
 
 WELL = world()
+Arms = tuple[float, float, float]
 
 
 def begun(task: str, **saved: Any) -> State:
@@ -36,8 +43,12 @@ def ended(state: State, action: Action, reason: Reason = Reason.OK) -> None:
         state.report(Outcome(action.row, side, accepted=reason is Reason.OK, done=True, reason=reason))
 
 
-def turned(yaw: float, now_s: float) -> World:
-    head = replace(robot("sim"), positions=positions(yaw=yaw))
+def turned(
+    yaw: float, now_s: float, pitch: float = 0, roll: float = 0, arms: Arms = (0, 0, 0), seat: str = ""
+) -> World:
+    angles = Head(*(math.radians(angle) for angle in (yaw, pitch, roll)))
+    known = status("sim", holder=seat)
+    head = replace(robot("sim", known=known), positions=structs.replace(positions(arms), head=angles))
     return replace(world(head, absent("hw")), now_s=now_s)
 
 
@@ -62,7 +73,7 @@ def test_the_steps_follow_what_really_happened() -> None:
     (stop,) = state.handle(Stop(), WELL)
     ended(state, stop)
     state.follow(WELL)
-    assert text(state).startswith("✓ Well done. Mission 1 of 3")
+    assert text(state).startswith("✓ Well done. Mission 1 of 8")
     assert state.saved.guided == len(STEPS)
 
 
@@ -70,8 +81,13 @@ def test_the_steps_follow_what_really_happened() -> None:
 def test_a_head_says_no_by_turning_from_side_to_side(yaws: tuple[float, ...], done: bool) -> None:
     state = begun("no")
     for number, yaw in enumerate(yaws):
-        state.follow(replace(turned(yaw, float(number)), playing="no"))
-    assert "Mission 1" in text(state), "a gesture is no solution"
+        now = turned(yaw, float(number))
+        state.follow(replace(now, playing="no"))
+        state.follow(replace(now, playing="my no"))
+        state.follow(replace(now, blocks_run=True))
+        state.follow(replace(now, face=FaceProgress(running=True)))
+        state.follow(turned(yaw, float(number), seat="ana"))
+    assert "Mission 1" in text(state), "no gesture, program or other seat is a solution"
     for number, yaw in enumerate(yaws):
         state.follow(turned(yaw, float(number)))
     assert ("Mission 2" in text(state)) is done
@@ -111,11 +127,13 @@ def test_the_first_run_is_skipped_step_by_step_or_closed_for_good() -> None:
     for number in range(1, len(TASKS) + 1):
         state.handle(SkipTask(), WELL)
         assert state.saved.guided == number
-    assert text(state) == ""
-    state = State()
+    assert text(state).startswith("Lesson 1: Hello, head. Let the head say yes")
     state.handle(CloseGuide(), WELL)
     assert text(state) == ""
-    assert text(State(state.saved)) == ""
+    closed = State(state.saved)
+    assert text(closed) == ""
+    closed.handle(OpenGuide(), WELL)
+    assert text(closed).startswith("Lesson 1")
 
 
 def test_the_first_run_yields_to_a_banner_and_is_not_for_teachers() -> None:
@@ -124,3 +142,119 @@ def test_the_first_run_yields_to_a_banner_and_is_not_for_teachers() -> None:
     assert (view.banner is not None, view.guide) == (True, None)
     assert text(State(), world(seat="teacher")) == ""
     assert len(TASKS) == len(STEPS) + len(MISSIONS)
+
+
+def around(*angles: float) -> list[World]:
+    """Return the head at these places of a circle (deg), one a second."""
+    return [
+        turned(12 * math.cos(math.radians(one)), float(at), pitch=12 * math.sin(math.radians(one)))
+        for at, one in enumerate(angles)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("task", "worlds", "done"),
+    [
+        ("hm", [turned(0, 0, roll=-16)], True),
+        ("hm", [turned(0, 0, roll=16, pitch=9)], False),
+        ("arm", [turned(0, 0, arms=(0, -21, 2))], True),
+        ("arm", [turned(0, 0, arms=(21, -21, 0))], False),
+        ("sleepy", [turned(0, 0), turned(0, 4.5, pitch=21)], True),
+        ("sleepy", [turned(0, 0), turned(0, 1, pitch=21), turned(0, 9, pitch=22)], False),
+        ("sleepy", [turned(0, 9, pitch=22)], False),
+        ("circle", around(0, 90, 180, 270, 360), True),
+        ("circle", around(0, -90, -180, -270, -360), True),
+        ("circle", around(0, 90, 180, 90, 0), False),
+        ("dance", [replace(WELL, playing="poses", playing_pose=2)], True),
+        ("dance", [replace(WELL, playing="dance", playing_pose=4)], False),
+    ],
+)
+def test_a_mission_is_noticed_from_the_robot(task: str, worlds: list[World], done: bool) -> None:
+    state = begun(task)
+    state.handle(ShowHint(), WELL)
+    assert "\n" in text(state)
+    for now in worlds:
+        state.follow(now)
+    assert text(state).startswith("✓ Well done.") is done
+
+
+@pytest.mark.parametrize(
+    ("spoil", "celebrates"),
+    [
+        (lambda _, now: now, True),
+        (lambda _, now: replace(now, now_s=99.4), False),
+        (lambda _, now: replace(now, now_s=103), False),
+        (lambda _, now: replace(now, playing="dance"), False),
+        (lambda _, now: replace(now, sim=robot("sim", known=status("sim", holder="ana"))), False),
+        (lambda _, now: replace(now, sim=robot("sim", known=status("sim", enabled=False))), False),
+        (lambda state, now: (state.handle(AimHead(20, 0, 0), now), now)[1], False),
+        (lambda state, now: (state.handle(Stop(), now), now)[1], False),
+    ],
+)
+def test_the_simulated_head_celebrates_only_if_it_may(
+    spoil: Callable[[State, World], World], celebrates: bool
+) -> None:
+    state = begun("hm")
+    state.follow(turned(0, 99, roll=16))
+    actions = state.celebration(spoil(state, WELL))
+    assert bool(actions) is celebrates
+    if celebrates:
+        (play,) = actions
+        assert isinstance(play, Play)
+        assert (play.gesture, play.sides) == ("yes", ("sim",))
+        assert state.celebration(WELL) == [], "once"
+
+
+def lesson(state: State, **run: Any) -> StripView:
+    """Return the strip while these things are known about the lessons."""
+    found = state.view(replace(WELL, lesson=LessonRun(**run))).guide
+    assert found is not None
+    return found
+
+
+def test_a_lesson_is_read_started_checked_and_passed_in_the_strip() -> None:
+    state = State(Saved(guided=len(TASKS)))
+    assert [one.text for one in lesson(state).buttons] == ["Read", "Next", "Close"]
+    assert state.handle(OpenLesson(1), WELL) == [RunLesson("start", 1, "en")]
+    begun_ = {"programs": {"01-hello": "/x/start.py"}}
+    assert lesson(state, **begun_).page.startswith("# Lesson 1: Hello, head")
+    assert "/x/start.py" in lesson(state, **begun_).text
+    state.handle(ShowSheet(""), WELL)
+    assert lesson(state, **begun_).buttons[1].intent == RunLesson("watch", 1)
+    not_yet = CheckReport("01-hello", "not_yet", "nods", "none", "Nod.", "lesson-1.svg")
+    shown = lesson(state, **begun_, watched=1, report=not_yet, note="No hint.")
+    assert shown.text.splitlines() == [
+        "Lesson 1: Hello, head. Not yet. Asked: nods. Found: none. Nod.",
+        "No hint.",
+    ]
+    assert [one.text for one in shown.buttons[1:4]] == ["End check", "Hint", "Picture"]
+    assert state.handle(ShowSheet("hint"), WELL) == [RunLesson("hint", 1)]
+    assert lesson(state, **begun_, hint="Hint 1/3: Do it.").page == "Hint 1/3: Do it."
+    refused_ = CheckReport(message="The account is the teacher's.")
+    assert refused_.message in lesson(state, **begun_, report=refused_).text
+    state.handle(ShowSheet("picture"), WELL)
+    assert lesson(state, **begun_, report=not_yet).picture == "lesson-1.svg"
+    passed = LessonRun(passed=frozenset({"01-hello"}), report=CheckReport("01-hello", "passed"))
+    now = replace(WELL, lesson=passed)
+    state.follow(now)
+    assert [type(one) for one in state.celebration(replace(now, now_s=101))] == [Play]
+    view = state.view(now).guide
+    assert view is not None
+    assert (view.good, view.count) == (True, "1 of 12 done")
+    assert view.text.startswith("Lesson 1: Hello, head. ✓ Passed.")
+    assert view.lessons[0].text == "● 1  Hello, head"
+
+
+def test_a_lesson_before_the_missions_are_done_leaves_them() -> None:
+    state = begun("arm")
+    state.handle(OpenLesson(3), WELL)
+    state.follow(turned(0, 0, arms=(21, 0, 0)))
+    assert text(state).startswith("Lesson 3")
+    state.handle(lesson(state).lessons[0].intent, WELL)
+    assert text(state).startswith("Mission 5 of 8")
+
+
+def test_another_lesson_ends_the_check() -> None:
+    state = State(Saved(guided=len(TASKS)))
+    now = replace(WELL, lesson=LessonRun(programs={"02-steps": "x"}, watched=1))
+    assert state.handle(OpenLesson(2), now) == [RunLesson("end")]

@@ -1,4 +1,4 @@
-"""A check that is killed takes the pupil's program and its simulation with it."""
+"""A check that is killed, or watches and is ended, takes the pupil's program and its simulation with it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ if os.fork() == 0:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGKILL and no fork")
-def test_a_killed_check_leaves_no_process(tmp_path: Path) -> None:
+@pytest.mark.parametrize(("verb", "how"), [("check", signal.SIGKILL), ("watch", signal.SIGINT)])
+def test_a_killed_check_leaves_no_process(verb: str, how: signal.Signals, tmp_path: Path) -> None:
     def lesson(*words: str) -> Process:
         return Process("-m", "beatrix_zenoh.cli", "lesson", *words, "1", folder=tmp_path, traced=False)
 
@@ -34,13 +35,13 @@ def test_a_killed_check_leaves_no_process(tmp_path: Path) -> None:
         server.settimeout(START_S)
         program = tmp_path / "lessons/01-hello/start.py"
         program.write_text(PROGRAM.format(port=server.getsockname()[1]))
-        check = lesson("check")
+        check = lesson(verb)
         connection, _ = server.accept()
     with connection:
         connection.settimeout(EVENT_S)
         endpoint = connection.recv(100).decode()
         assert is_listening(endpoint)
-        os.kill(check.pid, signal.SIGKILL)
+        os.kill(check.pid, how)
         assert connection.recv(100) == b"", "it is closed when the program and its fork have ended"
     until(lambda: not is_listening(endpoint), "the end of the router")
     check.wait()

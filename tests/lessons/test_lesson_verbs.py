@@ -21,7 +21,7 @@ from beatrix_zenoh.lessons import program, progress, sandbox
 
 FILES = {
     "lesson.toml": 'title = "Double"\ntitle_de = "Doppelt"\nlevel = "S"\nminutes = 5\ngoal = "Double it."\nlimit_s = 5\n',
-    "lesson.md": "# Double\n",
+    "lesson.md": "# Double\n\nRead.\n\n## 1. Predict\n\n## 2. Run\n\n## 3. Modify\n\nAll.\n",
     "lesson.de.md": "# Doppelt\n",
     "start.py": '"""Double."""\n\n# %% Double\ndef double(x):\n    return x\n',
     "solution.py": "def double(x):\n    return 2 * x\n",
@@ -101,7 +101,7 @@ def test_a_lesson_must_exist_and_be_started() -> None:
 
 def test_german_is_chosen_once() -> None:
     text = good("start", "1", "--language", "de").splitlines()
-    assert (text[0], text[-1]) == ("Lektion 1: Doppelt (5 Minuten)", "  prüfen   beatrix lesson check 1")
+    assert (text[0], text[-1]) == ("Lektion 1: Doppelt (5 Minuten)", "  prüfen   beatrix lesson watch 1")
     assert START.with_name("lesson.md").read_text() == "# Doppelt\n"
     assert checked("1").stdout.splitlines()[0] == "Noch nicht: Doppelt (Versuch 1)."
 
@@ -110,15 +110,20 @@ def test_a_notebook_is_checked_like_a_program_and_an_error_names_its_cell() -> N
     good("start", "1", "--notebook")
     made = json.loads(NOTEBOOK.read_text())
     assert [(cell["cell_type"], "".join(cell["source"])) for cell in made["cells"]] == [
-        ("markdown", "# Double."),
-        ("markdown", "## Double"),
+        ("markdown", "# Double\n\nRead."),
+        ("markdown", "## 1. Predict"),
+        ("markdown", "## 2. Run"),
+        ("markdown", "### Double"),
         ("code", "def double(x):\n    return x"),
+        ("markdown", "## 3. Modify\n\nAll."),
+        ("code", "# Save the notebook, then run this cell.\n!beatrix lesson check 1"),
     ]
     lines = ["%matplotlib inline\n", "def double(x):\n", "    return 2 * x\n"]
-    made["cells"][-1]["source"] = lines
+    code = made["cells"][4]
+    code["source"] = lines
     NOTEBOOK.write_text(json.dumps(made))
     assert checked("1").returncode == 0
-    made["cells"][-1]["source"] = [*lines, "undefined\n"]
+    code["source"] = [*lines, "undefined\n"]
     NOTEBOOK.write_text(json.dumps(made))
     assert "NameError: name 'undefined' is not defined (cell 1, line 4)" in checked("1").stdout
 

@@ -21,14 +21,14 @@ FIGURE = re.compile(r'(?:require\(|Unmet\()\s*"([\w-]+)"')
 
 
 @pytest.mark.parametrize("lesson", CHECKED)
-def test_the_solution_passes(lesson: Lesson, stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
-    verdict = checked(lesson, lesson.folder / "solution.py", stage, monkeypatch)
+def test_the_solution_passes(lesson: Lesson, stage: Stage) -> None:
+    verdict = checked(lesson, lesson.folder / "solution.py", stage)
     assert verdict == Verdict(Result.PASSED)
 
 
 @pytest.mark.parametrize("lesson", CHECKED)
-def test_the_start_does_not_pass(lesson: Lesson, stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
-    verdict = checked(lesson, lesson.folder / "start.py", stage, monkeypatch)
+def test_the_start_does_not_pass(lesson: Lesson, stage: Stage) -> None:
+    verdict = checked(lesson, lesson.folder / "start.py", stage)
     assert verdict.result is Result.NOT_YET
     assert verdict.hint, f"{verdict.figure} of the start has no hint"
 

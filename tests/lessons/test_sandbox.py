@@ -7,6 +7,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from robots import EVENT_S, PATIENCE_S, until
 from beatrix_zenoh import account
 from beatrix_zenoh.contract import tracebacks
 from beatrix_zenoh.lesson_files import find
-from beatrix_zenoh.lessons import attempt, checking, program, sandbox
+from beatrix_zenoh.lessons import checking, program, sandbox
 from beatrix_zenoh.lessons.attempt import Attempt, Unmet
 from beatrix_zenoh.lessons.guarded import Run
 from beatrix_zenoh.lessons.phrases import said
@@ -144,11 +145,11 @@ def test_a_program_that_is_ended_may_bring_its_robot_to_rest_first(fence: bool, 
     assert run.cores > 0
 
 
-def test_a_syntax_error_is_found_before_anything_is_started(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.delattr(attempt, "open_stage")
-    verdict = checking.check(find(1), written(tmp_path, "x = 1\nif x\n    pass\n"))
+def test_a_syntax_error_is_found_before_anything_is_started(tmp_path: Path) -> None:
+    def none(*_: object) -> NoReturn:
+        raise AssertionError
+
+    verdict = checking.check(find(1), written(tmp_path, "x = 1\nif x\n    pass\n"), stages=none)
     assert (verdict.figure, verdict.found) == ("runs", "SyntaxError: expected ':' (line 2)")
 
 

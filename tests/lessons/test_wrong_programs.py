@@ -37,14 +37,12 @@ def test_wrong_programs_differ_from_their_solution(name: str) -> None:
 
 
 @pytest.mark.parametrize("case", PROGRAMS)
-def test_a_wrong_program_fails_with_its_figure(
-    case: tuple[str, Wrong], stage: Stage, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_a_wrong_program_fails_with_its_figure(case: tuple[str, Wrong], stage: Stage, tmp_path: Path) -> None:
     lesson, wrong = Lesson(LIBRARY / case[0]), case[1]
     path = tmp_path / "start.py"
     path.write_text(wrong.program(solution(lesson)), encoding="utf-8")
     if wrong.expects == "ends":
         lesson.about = msgspec.structs.replace(lesson.about, limit_s=ENDLESS_S)
-    verdict = checked(lesson, path, stage, monkeypatch)
+    verdict = checked(lesson, path, stage)
     assert verdict.figure == wrong.expects, verdict
     assert verdict.means

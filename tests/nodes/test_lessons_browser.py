@@ -67,6 +67,9 @@ def test_run_is_the_check_of_a_lesson(page: Browser) -> None:
     assert "three ways" in page.text("#lesson-hints")
     assert "*" not in page.text("#lesson-hints")
     assert "at least 4 swings of the nose of 8° or more" in verdict(page, NOD)
+    page.wait(
+        lambda: page.run("document.querySelector('#lesson-check img')?.naturalWidth === 720"), "the picture"
+    )
     solution = (LIBRARY / "01-hello/solution.json").read_text(encoding="utf-8")
     assert verdict(page, solution).startswith("Passed: Hello, head.")
     assert page.run("document.querySelector('#lesson-list').options[0].text").startswith("✓")

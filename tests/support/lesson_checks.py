@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 
@@ -11,10 +12,11 @@ import pytest
 from _pytest.mark import ParameterSet
 
 from beatrix_zenoh.lesson_files import Lesson
-from beatrix_zenoh.lessons import attempt, program
+from beatrix_zenoh.lessons import program
 from beatrix_zenoh.lessons.checking import Result, Verdict, check
+from beatrix_zenoh.lessons.kept_stage import tidy
 from beatrix_zenoh.lessons.phrases import Tell
-from beatrix_zenoh.lessons.stage import PUPIL, Stage, open_stage
+from beatrix_zenoh.lessons.stage import Stage, open_stage
 from sim_node.target import HOME
 
 BUSY_TRIES = 2
@@ -60,35 +62,26 @@ def of_lesson(value: object, lesson: str, name: str) -> ParameterSet:
 
 def tidied(stage: Stage) -> Stage:
     """Return a stage whose robot is at home again, and the person at their usual place."""
-    robot = stage.robot(who=PUPIL)
-    with robot.lease(wait_s=10.0):
-        robot.make_ready()
-        robot.home()
-        robot.move_target(*HOME)
-    robot.client.close()
+    assert tidy(stage, stage.names[0], HOME)
     return stage
 
 
-def checked(lesson: Lesson, path: Path, stage: Stage, monkeypatch: pytest.MonkeyPatch) -> Verdict:
+def checked(lesson: Lesson, path: Path, stage: Stage) -> Verdict:
     """Check a program, on this stage where it fits, because the start of another one takes as long as most programs.
 
     If this computer is too busy, try again, and then skip the test: that is no verdict.
     """
 
     def shared(
-        names: tuple[str, ...],
-        path: str = "still",
-        robot_file: Path | None = None,
-        tell: Tell = lambda _: None,
+        names: Sequence[str], path: str, robot_file: Path | None, tell: Tell
     ) -> AbstractContextManager[Stage]:
-        if (names, path, robot_file) == (stage.names, "still", None):
+        if (tuple(names), path, robot_file) == (stage.names, "still", None):
             return nullcontext(tidied(stage))
         return open_stage(names, path, robot_file, tell)
 
-    monkeypatch.setattr(attempt, "open_stage", shared)
     why = ""
     for _ in range(BUSY_TRIES):
-        verdict = check(lesson, program.read(path))
+        verdict = check(lesson, program.read(path), stages=shared)
         if verdict.result is not Result.NOT_MEASURABLE:
             return verdict
         why = verdict.means

@@ -21,6 +21,7 @@ from gui.console.link.editor import Editor
 from gui.console.link.filming import Filming
 from gui.console.link.governing import LessonReports, robots_online, send_govern
 from gui.console.link.jobs import Jobs
+from gui.console.link.lesson_runs import LessonRuns
 from gui.console.link.moving import Moving, RobotAction
 from gui.console.link.outcomes import WindowError, failed, stopped, write
 from gui.console.link.own_gestures import OwnGestures
@@ -84,6 +85,7 @@ class Link:
         self._recordings, self._ports = Recordings(jobs), Ports(jobs)
         self._filming = Filming(jobs, lambda: self.session)
         self._routers = Routers(jobs, self._connection, self.moving.deselect)
+        self._lesson_runs = LessonRuns(jobs, reads=shared is None)
         self._table = self._carrying_out()
 
     def look(self) -> None:
@@ -104,8 +106,8 @@ class Link:
         connection, moving, program = self._connection, self.moving, self.moving.program
         play = program if isinstance(program, Playing) else None
         latency_s = {} if robot else {side: probe.round_trip_s for side, probe in self._probes.items()}
-        robot = robot or connection.robot
-        (sim, hw), session, now_s = connection.states(robot), connection.session, time.monotonic()
+        sim, hw = connection.states(robot := robot or connection.robot)
+        session, now_s = connection.session, time.monotonic()
         connection.look(now_s)
         for look in self._looks:
             look(session, now_s)
@@ -146,6 +148,7 @@ class Link:
             robots=robots_online(session) if self._lessons.watched else (),
             reports=self._lessons.rows,
             reports_failed=self._lessons.failed,
+            lesson=self._lesson_runs.newest,
             levels=levels(self._levels.open),
             person=moving.person.newest,
         )
@@ -194,6 +197,7 @@ class Link:
             actions.WriteFile: self._write,
             actions.KeepGesture: self._gestures.keep,
             **dict.fromkeys((actions.ShareGesture, actions.FetchGestures), online(self._gestures.exchange)),
+            actions.RunLesson: self._lesson_runs.do,
         }
 
     def _see(self, session: Session, eye: Camera) -> CameraStream:
@@ -252,6 +256,7 @@ class Link:
         """Drop waiting requests, and end plans, plays, programs and the person's voice, because STOP was pressed."""
         self.moving.drop(stopped())
         self.moving.person.speak(on=False)
+        self._lesson_runs.end()
 
     # -- the end ------------------------------------------------------------------------------------
 
@@ -259,6 +264,7 @@ class Link:
         """Stop the motions of this window, close the session and end all children; takes at most 3 s."""
         deadline_s = time.monotonic() + CLOSE_S
         self.moving.drop(WindowError(Reason.SHUTDOWN, "result.closed"))
+        self._lesson_runs.end()
         for part in (self._stop_sender, self._cameras, self._levels, self._filming):
             part.close()
         # In parallel, because each may need all of the time, for example while a recorder completes its file.

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
-from typing import Final
+from typing import Final, Literal
 
 from beatrix_zenoh.client import Place
 from beatrix_zenoh.client.choreography import ArmPose
@@ -213,6 +213,17 @@ class WatchPerson(Action, frozen=True):
     """Begin or end asking where the simulated person is."""
 
     on: bool
+
+
+class RunLesson(Action, frozen=True):
+    """Run a verb of `beatrix lesson` as a child process."""
+
+    verb: Literal["start", "hint", "watch", "end"]
+    """`end` ends a watch"""
+    number: int = 0
+    """of the lesson"""
+    language: str = "en"
+    """of its texts, for a start"""
 
 
 class WriteFile(Action, frozen=True):

@@ -1,28 +1,35 @@
-"""The first run: four steps and three missions, which notice when they are done."""
+"""The strip below the header: four steps, eight missions, which notice when they are done, and then the lessons."""
 
 from __future__ import annotations
 
-from collections import defaultdict, deque
+from collections import defaultdict
+from dataclasses import replace
 from typing import Final
 
 from beatrix_zenoh.contract.names import SIDES
-from gui.console.state.actions import Action, Send, SendStop
+from gui.console.state.actions import NEW, POSES, Action, Play, Send, SendStop
+from gui.console.state.gestures import CONTROL
 from gui.console.state.intents import Intent, WindowPage
-from gui.console.state.memory import Memory, RequestRow
-from gui.console.state.pills import problem
+from gui.console.state.lesson_strip import MARKS, LessonStrip, OpenLesson, ShowSheet
+from gui.console.state.memory import Kept, Memory, Motion, RequestRow, begin
+from gui.console.state.pills import finding, problem
+from gui.console.state.seen_moves import SeenMoves
 from gui.console.state.sending import PAD, REASONS
-from gui.console.state.views import BannerView, button
+from gui.console.state.views import Condition, StripView, button
 from gui.console.state.world import World, online
+from gui.console.texts import Texts
 
 STEPS: Final = ("ready", "drag", "send", "stop")
-MISSIONS: Final = ("no", "edge", "lead")
+MISSIONS: Final = ("no", "edge", "lead", "hm", "arm", "sleepy", "circle", "dance")
 TASKS: Final = (*STEPS, *MISSIONS)
 AIMED_DEG: Final = 3.0
 """How far a target differs from the head, in one axis, so that it counts as dragged."""
-SIDE_DEG: Final = 5.0
-"""How far a head turns to one side (yaw), so that it counts."""
-SWINGS, SWINGS_S = 3, 6.0
-"""How many turns to alternate sides say no, and in which time (s)."""
+CLOSED: Final = 99
+"""Number of done tasks after which nothing is shown."""
+DANCE: Final = 3
+"""Poses of a dance."""
+CHEER_S: Final = 0.5, 3.0
+"""When (s) after a task the head may celebrate it: a program of the user moves it again before that."""
 
 
 class SkipTask(Intent, frozen=True):
@@ -30,7 +37,18 @@ class SkipTask(Intent, frozen=True):
 
 
 class CloseGuide(Intent, frozen=True):
-    """End steps and missions for good."""
+    """Hide the strip for good."""
+
+
+class OpenGuide(Intent, frozen=True):
+    """Show the strip again: the next task, or the lessons."""
+
+
+class ShowHint(Intent, frozen=True):
+    """Show the hint of the present mission."""
+
+
+HANDLED: Final = (SkipTask, CloseGuide, OpenGuide, ShowHint, OpenLesson, ShowSheet)
 
 
 class Guide:
@@ -41,59 +59,120 @@ class Guide:
         self.done = done
         self._since = 0
         """row of the newest request when the task began"""
-        self._praise = False
-        self._turns: defaultdict[str, deque[tuple[bool, float]]] = defaultdict(lambda: deque(maxlen=SWINGS))
-        """by robot: whether its head turned to the left or right, in turn, and when (monotonic clock, s)"""
+        self._praise = self._hint = False
+        self._cheer_s = -CHEER_S[1]
+        """when something was done (monotonic clock, s)"""
+        self._seen: defaultdict[str, SeenMoves] = defaultdict(SeenMoves)
+        """by side"""
+        self._lessons = LessonStrip()
+        self._reads = False
+        """whether lessons are shown before all tasks are done"""
+        self._kept = Kept[StripView]()
 
     def follow(self, memory: Memory, world: World) -> None:
         """Go on to the next task if the robots, or the outcomes of requests, show that the present one is done."""
-        if self.done == len(TASKS):
+        if self._lessons.passes(world):
+            self._cheer_s = world.now_s
+        if self.done >= len(TASKS) or self._reads:
             return
-        for side in () if world.playing else SIDES:  # a gesture is no solution
-            if online(world, side) and (seen := world.side(side).reading) is not None:
-                self._note_turn(self._turns[side], seen.head.yaw, world.now_s)
+        others_move = world.playing or world.blocks_run or world.face.running  # none of them is a solution
+        for side in () if others_move else SIDES:
+            status, seen = world.side(side).status, world.side(side).reading
+            own = status is None or status.holder in ("", world.seat)
+            if own and online(world, side) and seen is not None:
+                self._seen[side].note(seen, world.now_s)
         task = TASKS[self.done]
         if self._is_done(task, memory, world):
-            self._praise = True
+            self._praise, self._cheer_s = True, world.now_s
             self.done += 1
             if task != "drag":  # with Send on release, the target is sent while it is dragged
                 self._begin(memory)
 
-    @staticmethod
-    def _note_turn(turns: deque[tuple[bool, float]], yaw: float, now_s: float) -> None:
-        left = yaw > 0
-        if abs(yaw) >= SIDE_DEG and (not turns or left is not turns[-1][0]):
-            turns.append((left, now_s))
+    def celebration(self, memory: Memory, world: World) -> list[Action]:
+        """Return the gesture of the simulated head, if something was just done and the user lets it rest."""
+        if not CHEER_S[0] <= world.now_s - self._cheer_s <= CHEER_S[1]:
+            return []
+        newest, texts = memory.rows[-1] if memory.rows else None, memory.choices.texts
+        moves = world.plan or world.playing or world.blocks_run or world.face.running
+        held = memory.open_hold or (memory.live_row or 0) > 0
+        waits = held or memory.choices.target or any(_is_open(row) for row in memory.rows)
+        stopped = newest is not None and isinstance(newest.request, SendStop)
+        if moves or waits or stopped or finding(world, "sim", texts).condition is not Condition.READY:
+            return []
+        self._cheer_s = -CHEER_S[1]
+        return begin(memory, world, Play(NEW, ("sim",), gesture="yes"), CONTROL)
 
-    def handle(self, memory: Memory, _world: World, intent: SkipTask | CloseGuide) -> list[Action]:
-        """Go on to the next task, or end."""
+    def handle(self, memory: Memory, world: World, intent: Intent) -> list[Action]:
+        """Carry out an intent of HANDLED."""
         self._praise = False
-        self.done = len(TASKS) if isinstance(intent, CloseGuide) else min(self.done + 1, len(TASKS))
+        match intent:
+            case OpenLesson() | ShowSheet():
+                self._reads = self._reads or isinstance(intent, OpenLesson)
+                return self._lessons.handle(memory, world, intent)
+            case ShowHint():
+                self._hint = not self._hint
+                return []
+            case CloseGuide():
+                self.done = CLOSED
+            case OpenGuide():
+                self.done, self._reads = min(self.done, len(TASKS)), False
+            case _:
+                self.done = min(self.done + 1, len(TASKS))
         self._begin(memory)
         return []
 
-    def view(self, memory: Memory, world: World) -> BannerView | None:
-        """Return the present task with its buttons; None if there is none, and for a teacher."""
-        texts, ended = memory.choices.texts, self.done == len(TASKS)
-        hidden = world.is_teacher or memory.choices.page is WindowPage.CLASS
-        if hidden or (ended and not self._praise):
+    def view(self, memory: Memory, world: World) -> StripView | None:
+        """Return the present task or lesson; None if the strip is closed, and for a teacher."""
+        texts = memory.choices.texts
+        if world.is_teacher or memory.choices.page is WindowPage.CLASS or self.done > len(TASKS):
             return None
+        made_from = (
+            texts.code,
+            self.done,
+            self._reads,
+            self._praise,
+            self._hint,
+            self._lessons.state,
+            world.lesson,
+        )
+        return self._kept.get(made_from, lambda: self._made(memory, world, texts))
+
+    def _made(self, memory: Memory, world: World, texts: Texts) -> StripView:
+        """Return the view of what is not closed."""
         close = button(texts, "guide.close", CloseGuide())
-        if ended:
-            return BannerView(texts("guide.all_done"), (close,))
+        if self.done == len(TASKS) or self._reads:
+            lesson = self._lessons.view(memory, world, close)
+            if self.done < len(TASKS):
+                missions = button(texts, "guide.missions", OpenGuide())
+                lesson = replace(lesson, lessons=(missions, *lesson.lessons))
+            praised = texts("guide.well_done", text=lesson.text)
+            return replace(lesson, text=praised, good=True) if self._praise else lesson
         task = TASKS[self.done]
         key, among = ("guide.a_step", STEPS) if task in STEPS else ("guide.a_mission", MISSIONS)
-        slots = {"number": among.index(task) + 1.0, "count": float(len(among))}
-        text = texts(key, text=texts(f"guide.{task}"), **slots)
-        skip = button(texts, "guide.skip", SkipTask())
-        return BannerView(texts("guide.well_done", text=text) if self._praise else text, (skip, close))
+        at = among.index(task)
+        text = texts(key, text=texts(f"guide.{task}"), number=at + 1.0, count=float(len(among)))
+        text = texts("guide.well_done", text=text) if self._praise else text
+        hint = button(texts, "guide.hint", ShowHint()) if among is MISSIONS else None
+        skip, page = button(texts, "guide.skip", SkipTask()), self._lessons.sheet(memory, world)
+        return StripView(
+            text=f"{text}\n{texts(f'guide.hint_{task}')}" if self._hint and hint else text,
+            progress=MARKS[True] * at + MARKS[False] * (len(among) - at),
+            count=texts("strip.count", done=float(at), count=float(len(among))),
+            good=self._praise or None,
+            buttons=tuple(one for one in (hint, skip, close) if one is not None),
+            lessons=self._lessons.menu(memory, world),
+            page=page[0],
+            picture=page[1],
+        )
 
     def _begin(self, memory: Memory) -> None:
         self._since, memory.lead_beaten = memory.numbers, False
-        self._turns.clear()
+        self._hint = False
+        self._seen.clear()
 
     def _is_done(self, task: str, memory: Memory, world: World) -> bool:
         rows = [row for row in memory.rows if row.number > self._since]
+        done = False
         match task:
             case "ready":
                 texts = memory.choices.texts
@@ -106,14 +185,18 @@ class Guide:
                 )
             case "stop":
                 done = any(isinstance(row.request, SendStop) and _is_accepted(row) for row in rows)
-            case "no":
-                found = [turns for turns in self._turns.values() if len(turns) == SWINGS]
-                done = any(turns[-1][1] - turns[0][1] <= SWINGS_S for turns in found)
             case "edge":
                 done = any(outcome.reason in REASONS for row in rows for outcome in row.outcomes.values())
-            case _:
+            case "lead":
                 done = memory.lead_beaten
-        return done
+            case "dance":
+                done = world.playing == POSES and world.playing_pose >= DANCE - 1
+        return done or any(seen.does(task) for seen in self._seen.values())
+
+
+def _is_open(row: RequestRow) -> bool:
+    """Return whether a motion still waits or runs, as far as this window knows."""
+    return isinstance(row.request, Motion) and not row.ended and not row.dropped
 
 
 def _is_aimed(memory: Memory, world: World) -> bool:

@@ -70,8 +70,8 @@ class Saved(Remembered, frozen=True):
     """All that is kept for the next window."""
 
     poses: tuple[SavedPose, ...] = ()
-    guided: Annotated[int, Meta(ge=0, le=7)] = 0
-    """how many of `missions.TASKS` are done"""
+    guided: Annotated[int, Meta(ge=0, le=99)] = 0
+    """how many of `missions.TASKS` are done; 99: the strip is closed"""
 
 
 def path(platform: str = sys.platform, environment: Mapping[str, str] = os.environ) -> Path:

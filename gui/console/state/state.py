@@ -64,7 +64,7 @@ class State:
         self._watched = eyes.NOTHING
         self._handles: Handles = {
             **HANDLES,
-            **dict.fromkeys((missions.SkipTask, missions.CloseGuide), self._guide.handle),
+            **dict.fromkeys(missions.HANDLED, self._guide.handle),
         }
 
     @property
@@ -126,6 +126,10 @@ class State:
         """Return the changes of subscriptions since the last call."""
         before, self._watched = self._watched, eyes.watched(self._memory.choices, world)
         return [action for action in self._watched if action not in before]
+
+    def celebration(self, world: World) -> list[Action]:
+        """Return the gesture with which the simulated head celebrates a task that was just done; usually none."""
+        return self._guide.celebration(self._memory, world)
 
     def outcomes(self, world: World) -> tuple[tuple[HistoryRowView, ...], str]:
         """Return history and last line, the part of the view that an outcome changes."""

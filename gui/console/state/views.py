@@ -88,6 +88,26 @@ class BannerView:
 
 
 @dataclass(frozen=True)
+class StripView:
+    """The strip below the header: the present step, mission or lesson."""
+
+    text: str
+    progress: str
+    """a dot for each step, mission or lesson, full if it is done"""
+    count: str
+    """the same in words"""
+    good: bool | None
+    """whether something was just done, or this lesson has passed; None: neither"""
+    buttons: tuple[ButtonView, ...]
+    lessons: tuple[ButtonView, ...]
+    """the menu of all lessons"""
+    page: str = ""
+    """text of a sheet (Markdown); empty: none"""
+    picture: str = ""
+    """file of a picture (SVG) in a sheet; empty: none"""
+
+
+@dataclass(frozen=True)
 class RefusalView:
     """A refusal, shown over the picture of the head."""
 
@@ -478,8 +498,8 @@ class View:
 
     title: str
     banner: BannerView | None
-    guide: BannerView | None
-    """a step or mission of the first run; None: none, or the banner is more important"""
+    guide: StripView | None
+    """a step, mission or lesson; None: none, or the banner is more important"""
     robots: tuple[str, ...]
     robot: str
     pills: tuple[PillView, ...]

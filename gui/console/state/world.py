@@ -16,6 +16,7 @@ from beatrix_zenoh.client.lesson_reports import Row
 from beatrix_zenoh.contract._generated.messages import Fault, LimitInfo, Status
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.contract.names import TEACHER
+from gui.console.state.lesson_run import LessonRun
 
 FURTHEST_DEG = 1e4
 """larger angles (deg) do not come from a robot and are ignored"""
@@ -239,6 +240,7 @@ class World:
     """reports of lessons, by seat and lesson, while the teacher's page of the class is shown; None: not read yet"""
     reports_failed: bool = False
     """whether the last read of the reports failed, so that they may be old"""
+    lesson: LessonRun = field(default_factory=LessonRun)
     levels: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     """by side, while the window listens: loudness of the left and the right ear (dB), -120 is silence"""
     person: Person | None = None

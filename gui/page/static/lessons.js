@@ -34,7 +34,15 @@ function show() {
   byId("lesson-text").replaceChildren(make("p", lesson.goal, "goal"), ...paragraphs);
 }
 
-function showCheck({ lesson, checks, result, asked, found, means }) {
+// Returns an image that shows an SVG; its text can run no script there.
+function drawn(svg, image, alt) {
+  image.src = URL.createObjectURL(new Blob([svg], { type: "image/svg+xml" }));
+  image.onload = () => URL.revokeObjectURL(image.src);
+  image.alt = alt;
+  return image;
+}
+
+function showCheck({ lesson, checks, result, asked, found, means, picture }) {
   const { text, make } = page, box = byId("lesson-check");
   box.hidden = !lesson;
   if (!lesson) return;
@@ -44,6 +52,7 @@ function showCheck({ lesson, checks, result, asked, found, means }) {
   box.replaceChildren(make("strong", text(`page.lesson_${checks ? "checks" : result || "not_judged"}`, { title })));
   if (asked) box.append(line("page.lesson_asked", asked), line("page.lesson_found", found));
   if (means) box.append(make("p", means));
+  if (picture) box.append(drawn(picture, make("img"), text("page.lesson_picture")));
   if (!result) return;
   byId("blocks").classList.add("task"); // on a phone the sentence comes to the front
   byId("lesson").scrollTop = 0;

@@ -15,6 +15,7 @@ from PyQt5.QtWidgets import (
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.actions import ChooseRobot, LookForPorts
 from gui.console.state.intents import Choose, EmergencyStop, Intent, Theme, WindowPage
+from gui.console.state.missions import OpenGuide
 from gui.console.state.views import ButtonView, PillView, RecordView, View
 from gui.console.texts import LANGUAGES, Texts
 from gui.window.theme import CONDITION_ROLES
@@ -193,6 +194,7 @@ class Header(Panel):
                 entry.setCheckable(True)
                 choices[str(code)] = group.addAction(entry)
         menu.addSeparator()
+        self._entry(menu, texts("strip.lessons"), OpenGuide())
         self._entry(menu, texts("label.connect"), LookForPorts())
         self._entry(menu, f"{texts('label.keys')}\tF1", None).triggered.connect(self.keys_asked)
         return menu, choices

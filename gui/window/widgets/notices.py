@@ -34,14 +34,12 @@ BUTTONS = 4
 class Banner(Panel):
     """A sentence and buttons for the next step; hidden while there is nothing to do."""
 
-    def __init__(self, *, quiet: bool = False) -> None:
-        """Create a hidden banner; a `quiet` one looks like a panel, because nothing is wrong."""
-        super().__init__("panel" if quiet else "notice")
-        self.text = label(role="" if quiet else "title", wrap=True)
+    def __init__(self) -> None:
+        super().__init__("notice")
+        self.text = label(role="title", wrap=True)
         # All now: Tab reaches widgets in the order of their creation.
-        self.buttons = [self.button(main=not number and not quiet) for number in range(BUTTONS)]
-        above = 1 if quiet else 4
-        in_row((self.text, 1), *self.buttons, margins=(10, above, 6, above), inside=self)
+        self.buttons = [self.button(main=not number) for number in range(BUTTONS)]
+        in_row((self.text, 1), *self.buttons, margins=(10, 4, 6, 4), inside=self)
         self.hide()
 
     def show_view(self, view: BannerView | None) -> None:

@@ -3,6 +3,7 @@ import numpy as np
 from beatrix_zenoh.contract._generated.messages import Event
 from beatrix_zenoh.lessons.attempt import Attempt
 from beatrix_zenoh.lessons.measures import swings
+from beatrix_zenoh.lessons.picture import Panel
 
 NOD, SHAKE, STILL, HOME = 8, 20, 3, 0.5
 ASIDE = 5  # nods turn the head to the side by less (deg)
@@ -10,6 +11,7 @@ NEARLY = 0.5  # the head stops within this angle (deg) of what was asked for
 
 
 def check(attempt: Attempt) -> None:
+    attempt.draw = drawn
     seen = attempt.observe()
     moved = np.abs(seen.head).max()
     attempt.require("moves", moved > 1, moved=moved)
@@ -32,6 +34,17 @@ def check(attempt: Attempt) -> None:
     left = np.abs(seen.head[-1]).max()
     attempt.require("home", left < HOME, left=left)
     attempt.require("refusal", len(refused) >= 1, count=len(refused))
+
+
+def drawn(robots):
+    """Return pitch, yaw and roll: how high and low, and how far to the sides they must come."""
+    (seen,) = robots.values()
+    lowest, inf = min(seen.pitch.min(), 0.0), np.inf
+    zones = ((lowest, lowest + 1), (lowest + NOD, inf)), ((-inf, -SHAKE), (SHAKE, inf)), ((-STILL, STILL),)
+    return [
+        Panel(f"{name} (°)", seen.t, getattr(seen, name), zones=where)
+        for name, where in zip(("pitch", "yaw", "roll"), zones, strict=True)
+    ]
 
 
 def aside(event: Event) -> bool:

@@ -3,6 +3,7 @@ import numpy as np
 from beatrix_zenoh.lessons import slips
 from beatrix_zenoh.lessons.attempt import Attempt
 from beatrix_zenoh.lessons.measures import rms
+from beatrix_zenoh.lessons.picture import Panel
 
 WAY, TOP, ACCELERATION = 30, 30, 180
 TIME = WAY / TOP + TOP / ACCELERATION
@@ -14,6 +15,11 @@ STREAMED = (0.8, 1.4)
 def check(attempt: Attempt) -> None:
     t = np.arange(-0.1, 2.0, DT)
     angle = np.array([attempt.call("angle", time) for time in t.tolist()])
+    asked = np.interp(t, *trapezoid())
+    attempt.panels = [
+        Panel("angle (°)", t, angle, asked),
+        Panel("°/s", t, np.gradient(angle, DT), np.gradient(asked, DT)),
+    ]
     slips.numbers("angle", angle[-1], WAY, 0.01)
     attempt.require(
         "goal", abs(angle[0]) < 0.01 and abs(angle[-1] - WAY) < 0.01, first=angle[0], last=angle[-1]
@@ -40,9 +46,19 @@ def check(attempt: Attempt) -> None:
     jerk = rms(np.gradient(np.gradient(speed, run.t), run.t))
     attempt.require("jerk", jerk < JERK, jerk=jerk)
 
+    attempt.draw = lambda robots: [
+        Panel("yaw (°)", one.t, one.yaw, zones=((WAY - 0.5, WAY + 0.5),)) for one in robots.values()
+    ]
     seen = attempt.observe()
     turned = float(seen.yaw.max())
     attempt.require("robot", abs(turned - WAY) < 0.5, turned=turned)
     began, ended = (float(seen.t[int((seen.yaw > yaw).argmax())]) for yaw in (1, WAY - 1))
     took = ended - began
     attempt.require("stream", STREAMED[0] < took < STREAMED[1], took=took)
+
+
+def trapezoid():
+    """Return times (s) and angles (deg) of the motion that is asked."""
+    t = np.arange(0, TIME + DT, DT)
+    speed = np.minimum(TOP, ACCELERATION * np.minimum(t, TIME - t).clip(0))
+    return t, np.cumsum(speed) * DT

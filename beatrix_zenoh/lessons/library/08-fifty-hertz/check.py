@@ -6,6 +6,7 @@ import numpy as np
 
 from beatrix_zenoh.lessons.attempt import Attempt, Unmet
 from beatrix_zenoh.lessons.measures import Curve
+from beatrix_zenoh.lessons.picture import Panel
 
 ALIASES = (
     (3, 50, 3),
@@ -21,6 +22,7 @@ ALIASES = (
 RESPONSES = ((1.0, 0.54, 0.30), (0.25, 0.98, 0.07), (2.0, 0.18, 0.24), (2.0, 0.18, 0.45))
 """Frequency (Hz), gain and lag (s) of made-up measurements."""
 SIZE = 10.0
+TURN = 2 * np.pi
 MANY = 20
 """A program that has sent so many targets, and has not ended, waits for its motions."""
 
@@ -42,6 +44,11 @@ def check(attempt: Attempt) -> None:
         ahead = (found_lag + lag + 0.5 / frequency) % (1 / frequency) - 0.5 / frequency
         attempt.require("ahead", abs(off) < 0.02 or abs(ahead) > 0.02, found=1000 * found_lag, lag=1000 * lag)
         attempt.require("lag", abs(off) < 0.02, frequency=frequency, found=1000 * found_lag, lag=1000 * lag)
+    attempt.panels = ()
+    attempt.draw = lambda robots: [
+        Panel("yaw (°)", one.t, one.yaw, zones=((SIZE - 0.5, SIZE + 0.5), (-SIZE - 0.5, 0.5 - SIZE)))
+        for one in robots.values()
+    ]
     try:
         seen = attempt.observe()
     except Unmet as unmet:

@@ -14,6 +14,7 @@ from beatrix_zenoh.lessons.attempt import Attempt, Stage, Unmet
 from beatrix_zenoh.lessons.bench import Bench, Course
 from beatrix_zenoh.lessons.measures import rms
 from beatrix_zenoh.lessons.checking import BUSY_CORES
+from beatrix_zenoh.lessons.picture import Panel
 from beatrix_zenoh.lessons.phrases import NotMeasurable, busy
 
 PICTURES = Path(__file__).parent / "files"
@@ -50,6 +51,7 @@ def check(attempt: Attempt) -> None:
     walk = run(attempt, lambda t: 40 * math.sin(math.tau * t / 12), 24)
     off = rms((walk.course - walk.yaw)[walk.t > 12])
     attempt.require("follows", off < 2.5, off=off)
+    attempt.panels = ()
     live(attempt, picture_ms)
 
 
@@ -80,7 +82,9 @@ def bearings(attempt: Attempt) -> float:
 
 def run(attempt: Attempt, course: Course, seconds: float) -> Bench:
     try:
-        return attempt.bench("step", course=course, seconds=seconds, delay_s=DELAY_S, result="rate")
+        found = attempt.bench("step", course=course, seconds=seconds, delay_s=DELAY_S, result="rate")
+        attempt.panels = [Panel("yaw (°)", found.t, found.yaw, found.course)]
+        return found
     except Unmet as unmet:
         if unmet.figure == "refused":
             raise Unmet("swings", **unmet.values) from None
@@ -111,6 +115,7 @@ def live(attempt: Attempt, picture_ms: float) -> None:
     first = min(max(FIRST_S, moved + CATCH_UP_S), LAST_S)
     counts = (seen.t > first) & (seen.t < LIVE_S)
     off = rms(np.interp(seen.t[counts], times, person) - seen.yaw[counts])
+    attempt.panels = [Panel("yaw (°)", seen.t, seen.yaw, np.interp(seen.t, times, person))]
     if off >= FACE:
         light(attempt, picture_ms)
         enough(np.array([moment for moment in drawn if first < moment < LIVE_S]), first)

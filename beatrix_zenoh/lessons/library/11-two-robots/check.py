@@ -8,6 +8,7 @@ from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lessons import slips
 from beatrix_zenoh.lessons.attempt import Attempt, Seen, Stage, Unmet
 from beatrix_zenoh.lessons.measures import rms
+from beatrix_zenoh.lessons.picture import Panel
 
 LEADER, FOLLOWER = "bea1", "bea2"
 SIGNS = np.array([-1.0, 1.0, -1.0])
@@ -36,6 +37,7 @@ def check(attempt: Attempt) -> None:
         asked, found = (len(times) - 1) / (times[-1] - times[0]), attempt.call("rate", times)
         slips.numbers("rate", found, asked, 0.01)
         attempt.require("rate", abs(found / asked - 1) < 0.01, count=len(times), asked=asked, found=found)
+    attempt.draw = mirrored
     marks: dict[str, float] = {}
     with attempt.on_stage(LEADER, FOLLOWER):
         try:
@@ -55,6 +57,20 @@ def check(attempt: Attempt) -> None:
         except Unmet as unmet:
             attempt.require("at_leader", unmet.figure != "ends", seconds=END_S)
             raise
+
+
+def mirrored(seen):
+    """Return the angles of the follower, and the mirror image of the leader."""
+    leader, follower = seen[LEADER], seen[FOLLOWER]
+    return [
+        Panel(
+            f"bea2, {name} (°)",
+            follower.t,
+            follower.head[:, i],
+            SIGNS[i] * np.interp(follower.t, leader.t, leader.head[:, i]),
+        )
+        for i, name in enumerate(("yaw", "pitch", "roll"))
+    ]
 
 
 def play(stage: Stage, marks: dict[str, float]) -> None:
