@@ -20,7 +20,7 @@ from gui.console.state.missions import MISSIONS, STEPS, TASKS, CloseGuide, OpenG
 from gui.console.state.saved import Saved
 from gui.console.state.state import State
 from gui.console.state.views import StripView
-from gui.console.state.world import FaceProgress, PlanPhase, PlanProgress, World
+from gui.console.state.world import PlanPhase, PlanProgress, ProgramProgress, World
 
 WELL = world()
 Arms = tuple[float, float, float]
@@ -84,8 +84,8 @@ def test_a_head_says_no_by_turning_from_side_to_side(yaws: tuple[float, ...], do
         now = turned(yaw, float(number))
         state.follow(replace(now, playing="no"))
         state.follow(replace(now, playing="my no"))
-        state.follow(replace(now, blocks_run=True))
-        state.follow(replace(now, face=FaceProgress(running=True)))
+        state.follow(replace(now, block=""))
+        state.follow(replace(now, program=ProgramProgress(running=True)))
         state.follow(turned(yaw, float(number), seat="ana"))
     assert "Mission 1" in text(state), "no gesture, program or other seat is a solution"
     for number, yaw in enumerate(yaws):

@@ -106,12 +106,11 @@ class Link:
         connection, moving, program = self._connection, self.moving, self.moving.program
         play = program if isinstance(program, Playing) else None
         latency_s = {} if robot else {side: probe.round_trip_s for side, probe in self._probes.items()}
-        sim, hw = connection.states(robot := robot or connection.robot)
-        session, now_s = connection.session, time.monotonic()
+        (sim, hw), now_s = connection.states(robot := robot or connection.robot), time.monotonic()
+        session, settings, account = connection.session, connection.settings, connection.settings.account
         connection.look(now_s)
         for look in self._looks:
             look(session, now_s)
-        settings, account = connection.settings, connection.settings.account
         return World(
             now_s=now_s,
             phase=connection.phase,

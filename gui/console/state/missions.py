@@ -75,7 +75,9 @@ class Guide:
             self._cheer_s = world.now_s
         if self.done >= len(TASKS) or self._reads:
             return
-        others_move = world.playing or world.blocks_run or world.face.running  # none of them is a solution
+        others_move = (
+            world.playing or world.block is not None or world.program.running
+        )  # none of them is a solution
         for side in () if others_move else SIDES:
             status, seen = world.side(side).status, world.side(side).reading
             own = status is None or status.holder in ("", world.seat)
@@ -93,7 +95,7 @@ class Guide:
         if not CHEER_S[0] <= world.now_s - self._cheer_s <= CHEER_S[1]:
             return []
         newest, texts = memory.rows[-1] if memory.rows else None, memory.choices.texts
-        moves = world.plan or world.playing or world.blocks_run or world.face.running
+        moves = world.plan or world.playing or world.block is not None or world.program.running
         held = memory.open_hold or (memory.live_row or 0) > 0
         waits = held or memory.choices.target or any(_is_open(row) for row in memory.rows)
         stopped = newest is not None and isinstance(newest.request, SendStop)

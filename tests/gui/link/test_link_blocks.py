@@ -48,7 +48,7 @@ def test_blocks_of_each_kind_move_both_robots_with_the_lead(linked: Linked) -> N
     linked.until(lambda world: short(world, "hw") == pytest.approx(12, abs=0.1), "the hardware has turned")
     linked.until(lambda world: world.block == "gesture-id", "the gesture begins")
     assert linked.end_of(1).accepted
-    assert linked.world.block == ""
+    assert linked.world.block is None
 
 
 @pytest.mark.measures_time
@@ -66,7 +66,7 @@ def test_a_program_without_an_end_is_ended_and_the_arms_rest(
         lambda world: world.block is None and all(rests(world, side) for side in sides), "it rests"
     )
     in_time(time.monotonic() - began_s, 0.9, "the end of a program of blocks")
-    assert world.block == ""
+    assert world.block is None
     assert linked.end_of(1, "sim" if sides == SIM else "").reason is Reason.STOPPED
 
 
