@@ -32,9 +32,8 @@ from gui.console.state.saved import Choices, Saved, SavedPose
 from gui.console.state.state import State
 from gui.console.state.world import OwnGesture
 from gui.console.texts import Texts
-from gui.window.widgets.gesture_pictures import EMOJI
 from gui.window.widgets.gestures import GesturesPanel
-from gui.window.widgets.picture_button import PictureButton
+from gui.window.widgets.picture_button import EMOJI, PictureButton
 
 TEXT = "t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,10,0,0,30\n1,0,0,0,\n"
 POSES = (SavedPose("left", 20.0, 20.0, 20.0, 2.0), SavedPose("up", -8.0, 4.0, 4.0, 2.0))

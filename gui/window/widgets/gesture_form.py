@@ -20,7 +20,7 @@ from gui.console.state.intents import Theme
 from gui.console.texts import Texts
 from gui.window.theme import style_of
 from gui.window.widgets.controls import filled, in_row, named, plain_button, spaced
-from gui.window.widgets.gesture_pictures import EMOJI, emoji
+from gui.window.widgets.picture_button import EMOJI, emoji
 
 COLUMNS = 12
 PICTURE_PX, AIR_PX = 24, 8
