@@ -32,6 +32,7 @@ FRAMED_MS = 300
 """Time in which the window manager draws a frame."""
 SIZES = ((1366, 768), (1024, 768), (1024, 600))
 PAGES = {
+    "simple": (Theme.LIGHT, (1366, 768)),
     "preview": (Theme.DARK, (1366, 768)),
     "refusal": (Theme.DARK, (1366, 768)),
     "class": (Theme.LIGHT, (1024, 600)),

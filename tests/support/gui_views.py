@@ -21,7 +21,7 @@ from gui.console.state.views import View
 from gui.console.state.world import LinkPhase, PlanPhase, PlanProgress, World
 
 ROBOTS = ("well", "preview", "refusal", "fault", "no-router", "refused", "driven")
-STATES = (*ROBOTS, "taken", "turn", "frozen", "class", "class-full")
+STATES = (*ROBOTS, "simple", "taken", "turn", "frozen", "class", "class-full")
 NECK = Neck()
 HEADS = {"sim": HeadAngles(12.0, -6.0, 4.0), "hw": HeadAngles(9.0, -4.5, 3.1)}
 TARGET = HeadAngles(20.0, 16.0, -4.0)
@@ -205,6 +205,9 @@ def example(state: str, theme: intents.Theme, language: str) -> View:
         plan = PlanProgress(PlanPhase.LEADING, 1.2, 2.0, 1.1, PATH)
         head = WAY[15]  # 0.9 s of 1.2 s have passed
         now = replace(now, plan=plan, sim=posed("sim", arms_of(head), head, moving=True))
+    elif state == "simple":
+        for name, value in (("simple", True), ("hw", False)):
+            deciding.handle(intents.Choose(name, value), now)
     elif state == "refusal":
         deciding.handle(intents.AimHead(20.0, 40.0, 0.0), now)
         deciding.handle(intents.SendHead(), now)
