@@ -227,9 +227,9 @@ def watch_program(number: LatestNumber = None, as_json: Json = False) -> None:
         return verdict
 
     passed = watch(lambda: workspace.programs(found.name), check_now)
-    following = min((one.number for one in lessons() if one.number > found.number), default=None)
-    if passed and following and not as_json:
-        say(f"{NEXT[found.language]}: beatrix lesson start {following}")
+    number = min((one.number for one in lessons() if one.number > found.number), default=None)
+    if passed and number and not as_json:
+        say(f"{NEXT[found.language]}: beatrix lesson start {number}")
 
 
 def _checkable(number: int | None) -> tuple[Lesson, Path]:

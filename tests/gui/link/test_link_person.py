@@ -14,8 +14,8 @@ from beatrix_zenoh import Robot
 from beatrix_zenoh.client.request import ask
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Reason, SoundReply
+from gui.console.link import programs
 from gui.console.state.actions import (
-    FOLLOW,
     TURN,
     EndProgram,
     LetSpeak,
@@ -68,12 +68,12 @@ def test_the_head_turns_to_the_voice_of_the_dragged_person_until_stop(stage: Sta
 def test_a_person_walks_while_the_head_follows_until_the_user_drags_it(
     stage: Stage, linked: Linked, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, drags: bool
 ) -> None:
-    monkeypatch.setenv("HOME", str(tmp_path))
-    (tmp_path / "beatrix-programs").mkdir()
-    (tmp_path / "beatrix-programs" / FOLLOW).write_text("import time\ntime.sleep(60)", encoding="utf-8")
+    waits = tmp_path / "waits.py"
+    waits.write_text("import time\ntime.sleep(60)", encoding="utf-8")
+    monkeypatch.setattr(programs, "FOLLOW", waits)
     with Robot("bea", side="sim", connect=stage.endpoint, who="ana") as robot:
         stands = robot.move_target(1.0, 0.1, 0.2)
-        linked.do(RunProgram(1, FOLLOW, ("sim",)))
+        linked.do(RunProgram(1, waits, ("sim",)))
         until(lambda: robot.target().y != stands.y, "the person walks")
         if drags:
             linked.do(at(20.0))
