@@ -203,6 +203,7 @@ def test_the_simulated_head_celebrates_only_if_it_may(
         assert isinstance(play, Play)
         assert (play.gesture, play.sides) == ("yes", ("sim",))
         assert state.celebration(WELL) == [], "once"
+        assert "play(" not in state.view(WELL).code.text, "the user has not pressed that"
 
 
 def lesson(state: State, **run: Any) -> StripView:

@@ -20,7 +20,7 @@ from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import actions, code_lines, other_seats
 from gui.console.state.actions import Govern, Outcome, Play, Send, SendStop
 from gui.console.state.gestures import title
-from gui.console.state.memory import Gesture, Memory, RequestRow
+from gui.console.state.memory import CHEER, Gesture, Memory, RequestRow
 from gui.console.state.refusals import reason_of, sentence, side_of, told_by
 from gui.console.state.views import HistoryRowView
 from gui.console.state.world import Trouble, World, news
@@ -293,7 +293,7 @@ def code(memory: Memory, world: World) -> str:
 
 def _program(memory: Memory, world: World) -> str:
     texts = memory.choices.texts
-    lines = [line for row in memory.rows for line in _lines(row, texts)]
+    lines = [line for row in memory.rows if row.control != CHEER for line in _lines(row, texts)]
     return code_lines.program(lines, world, texts("code.title", robot=world.robot))
 
 

@@ -23,6 +23,8 @@ from gui.console.state.views import HistoryRowView
 from gui.console.state.world import LinkPhase, Trouble, World, commanded, news, online
 
 T = TypeVar("T")
+CHEER = "cheer"
+"""The control of a gesture with which the head celebrates: the user has not pressed anything."""
 KEPT = 200
 """Largest number of rows of the history."""
 Motion = actions.Send | actions.Play | actions.RunBlocks | actions.RunProgram

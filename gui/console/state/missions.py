@@ -8,10 +8,9 @@ from typing import Final
 
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.actions import NEW, POSES, Action, Play, Send, SendStop
-from gui.console.state.gestures import CONTROL
 from gui.console.state.intents import Intent, WindowPage
 from gui.console.state.lesson_strip import MARKS, LessonStrip, OpenLesson, ShowSheet
-from gui.console.state.memory import Kept, Memory, Motion, RequestRow, begin
+from gui.console.state.memory import CHEER, Kept, Memory, Motion, RequestRow, begin
 from gui.console.state.pills import finding, problem
 from gui.console.state.seen_moves import SeenMoves
 from gui.console.state.sending import PAD, REASONS
@@ -102,7 +101,7 @@ class Guide:
         if moves or waits or stopped or finding(world, "sim", texts).condition is not Condition.READY:
             return []
         self._cheer_s = -CHEER_S[1]
-        return begin(memory, world, Play(NEW, ("sim",), gesture="yes"), CONTROL)
+        return begin(memory, world, Play(NEW, ("sim",), gesture="yes"), CHEER)
 
     def handle(self, memory: Memory, world: World, intent: Intent) -> list[Action]:
         """Carry out an intent of HANDLED."""
