@@ -85,12 +85,14 @@ class Link:
         self._recordings, self._ports = Recordings(jobs), Ports(jobs)
         self._filming = Filming(jobs, lambda: self.session)
         self._routers = Routers(jobs, self._connection, self.moving.deselect)
-        self._lesson_runs = LessonRuns(jobs, reads=shared is None)
+        self._lesson_runs = LessonRuns(jobs, reads=source is Source.WINDOW)
         self._table = self._carrying_out()
 
     def look(self) -> None:
         """Look for the router, and for a robot, if it is time; `world` does this, too."""
-        self._connection.look(time.monotonic())
+        now_s = time.monotonic()
+        self._connection.look(now_s)
+        self._gestures.newest(now_s)
 
     @property
     def session(self) -> Session | None:
