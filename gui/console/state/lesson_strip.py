@@ -9,10 +9,9 @@ from typing import Final, Literal
 from beatrix_zenoh.lesson_files import Lesson, lessons
 from gui.console.state.actions import Action, RunLesson
 from gui.console.state.intents import Intent
-from gui.console.state.lesson_run import CheckReport
 from gui.console.state.memory import Memory
 from gui.console.state.views import ButtonView, StripView, button
-from gui.console.state.world import World
+from gui.console.state.world import CheckReport, World
 from gui.console.texts import Texts
 
 Sheet = Literal["", "page", "hint", "picture"]
