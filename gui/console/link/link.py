@@ -85,7 +85,7 @@ class Link:
         self._recordings, self._ports = Recordings(jobs), Ports(jobs)
         self._filming = Filming(jobs, lambda: self.session)
         self._routers = Routers(jobs, self._connection, self.moving.deselect)
-        self._lesson_runs = LessonRuns(jobs, reads=shared is None)
+        self._lesson_runs = LessonRuns(jobs, reads=source is Source.WINDOW)
         self._table = self._carrying_out()
 
     def look(self) -> None:
