@@ -16,6 +16,7 @@ from typing import Final, Self
 
 from beatrix_zenoh import threads
 from beatrix_zenoh.contract.errors import BeatrixError
+from beatrix_zenoh.files import Stamp, stamp
 from beatrix_zenoh.lessons.checking import Result, Verdict
 from beatrix_zenoh.lessons.phrases import Tell
 from beatrix_zenoh.lessons.stage import PUPIL, Stage, open_stage
@@ -32,7 +33,7 @@ LEASE_S: Final = 5.0
 """Longest wait (s) for a robot that something of the last program still holds."""
 Place = tuple[float, float, float]
 """x, y, z (m) as of `Robot.target`"""
-Signature = tuple[tuple[Path, int, int], ...]
+Signature = tuple[tuple[Path, Stamp | None], ...]
 Check = Callable[[Path, "KeptStage"], Verdict]
 """Checks a program on the kept stage, shows the verdict and returns it."""
 
@@ -107,14 +108,7 @@ class Saves:
                 _thread.interrupt_main()
 
     def _signature(self) -> Signature:
-        found = []
-        for path in self._found():
-            try:
-                state = path.stat()
-            except OSError:  # an editor replaces the file at this moment
-                continue
-            found.append((path, state.st_mtime_ns, state.st_size))
-        return tuple(found)
+        return tuple((path, stamp(path)) for path in self._found())
 
 
 class KeptStage:

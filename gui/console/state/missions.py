@@ -245,11 +245,11 @@ class Guide:
             case "drag":
                 done = _is_aimed(memory, world)
             case "send":
-                done = any(
-                    isinstance(row.request, Send) and row.control == PAD and _is_good(row) for row in rows
-                )
+                sent = [row for row in rows if isinstance(row.request, Send) and row.control == PAD]
+                done = any(row.ended and all(one.accepted for one in row.outcomes.values()) for row in sent)
             case "stop":
-                done = any(isinstance(row.request, SendStop) and _is_accepted(row) for row in rows)
+                stops = [row for row in rows if isinstance(row.request, SendStop)]
+                done = any(outcome.accepted for row in stops for outcome in row.outcomes.values())
             case "edge":
                 done = any(outcome.reason in REASONS for row in rows for outcome in row.outcomes.values())
             case "lead":
@@ -271,11 +271,3 @@ def _is_aimed(memory: Memory, world: World) -> bool:
         return False
     aim = (target.yaw, target.pitch, target.roll)
     return max(abs(wanted - at) for wanted, at in zip(aim, heads[0], strict=True)) >= AIMED_DEG
-
-
-def _is_accepted(row: RequestRow) -> bool:
-    return any(outcome.accepted for outcome in row.outcomes.values())
-
-
-def _is_good(row: RequestRow) -> bool:
-    return row.ended and all(outcome.accepted for outcome in row.outcomes.values())
