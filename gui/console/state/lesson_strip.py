@@ -47,11 +47,6 @@ class LessonStrip:
         self._sheet: Sheet = ""
         self._seen = CheckReport()
 
-    @property
-    def state(self) -> tuple[object, ...]:
-        """What the view is made from, besides the world."""
-        return self._number, self._sheet
-
     def handle(self, memory: Memory, world: World, intent: OpenLesson | ShowSheet) -> list[Action]:
         """Show a lesson, its page or a picture."""
         if isinstance(intent, ShowSheet):
@@ -112,16 +107,12 @@ class LessonStrip:
             button(texts, "strip.next", OpenLesson(after)),
             close,
         )
-        text, picture = "\n".join(filter(None, (f"{head} {text}", run.note))), self.sheet(memory, world)
         return StripView(
-            text=text,
+            text="\n".join(filter(None, (f"{head} {text}", run.note))),
             progress="".join(MARKS[one.name in run.passed] for one in all_known),
             count=texts("strip.count", done=float(len(run.passed)), count=float(len(all_known))),
-            good=True if report.outcome == "passed" or (passed and not report.outcome) else None,
+            good=report.outcome == "passed" or (passed and not report.outcome),
             buttons=tuple(one for one in buttons if one is not None),
-            lessons=self.menu(memory, world),
-            page=picture[0],
-            picture=picture[1],
         )
 
     def _shown(self, memory: Memory, world: World) -> Lesson:

@@ -13,10 +13,10 @@ from gui.console.state.actions import NEW, POSES, Action, Play, Send, SendStop
 from gui.console.state.gestures import CONTROL
 from gui.console.state.intents import Intent, WindowPage
 from gui.console.state.lesson_strip import MARKS, LessonStrip, OpenLesson, ShowSheet
-from gui.console.state.memory import Kept, Memory, Motion, RequestRow, begin
+from gui.console.state.memory import Memory, Motion, RequestRow, begin
 from gui.console.state.pills import finding, problem
 from gui.console.state.sending import PAD, REASONS
-from gui.console.state.views import Condition, StripView, button
+from gui.console.state.views import ButtonView, Condition, StripView, button
 from gui.console.state.world import World, online
 from gui.console.texts import Texts
 
@@ -130,7 +130,6 @@ class Guide:
         self._lessons = LessonStrip()
         self._reads = False
         """whether lessons are shown before all tasks are done"""
-        self._kept = Kept[StripView]()
 
     def follow(self, memory: Memory, world: World) -> None:
         """Go on to the next task if the robots, or the outcomes of requests, show that the present one is done."""
@@ -191,43 +190,28 @@ class Guide:
         texts = memory.choices.texts
         if world.is_teacher or memory.choices.page is WindowPage.CLASS or self.done > len(TASKS):
             return None
-        made_from = (
-            texts.code,
-            self.done,
-            self._reads,
-            self._praise,
-            self._hint,
-            self._lessons.state,
-            world.lesson,
-        )
-        return self._kept.get(made_from, lambda: self._made(memory, world, texts))
-
-    def _made(self, memory: Memory, world: World, texts: Texts) -> StripView:
-        """Return the view of what is not closed."""
         close = button(texts, "guide.close", CloseGuide())
-        if self.done == len(TASKS) or self._reads:
-            lesson = self._lessons.view(memory, world, close)
-            if self.done < len(TASKS):
-                missions = button(texts, "guide.missions", OpenGuide())
-                lesson = replace(lesson, lessons=(missions, *lesson.lessons))
-            praised = texts("guide.well_done", text=lesson.text)
-            return replace(lesson, text=praised, good=True) if self._praise else lesson
+        reads = self.done == len(TASKS) or self._reads
+        strip = self._lessons.view(memory, world, close) if reads else self._task(texts, close)
+        if self._praise:
+            strip = replace(strip, text=texts("guide.well_done", text=strip.text), good=True)
+        back = (button(texts, "guide.missions", OpenGuide()),) if self.done < len(TASKS) and reads else ()
+        page, picture = self._lessons.sheet(memory, world)
+        menu = (*back, *self._lessons.menu(memory, world))
+        return replace(strip, lessons=menu, page=page, picture=picture)
+
+    def _task(self, texts: Texts, close: ButtonView) -> StripView:
+        """Return the present step or mission."""
         task = TASKS[self.done]
         key, among = ("guide.a_step", STEPS) if task in STEPS else ("guide.a_mission", MISSIONS)
         at = among.index(task)
         text = texts(key, text=texts(f"guide.{task}"), number=at + 1.0, count=float(len(among)))
-        text = texts("guide.well_done", text=text) if self._praise else text
         hint = button(texts, "guide.hint", ShowHint()) if among is MISSIONS else None
-        skip, page = button(texts, "guide.skip", SkipTask()), self._lessons.sheet(memory, world)
         return StripView(
             text=f"{text}\n{texts(f'guide.hint_{task}')}" if self._hint and hint else text,
             progress=MARKS[True] * at + MARKS[False] * (len(among) - at),
             count=texts("strip.count", done=float(at), count=float(len(among))),
-            good=self._praise or None,
-            buttons=tuple(one for one in (hint, skip, close) if one is not None),
-            lessons=self._lessons.menu(memory, world),
-            page=page[0],
-            picture=page[1],
+            buttons=(*((hint,) if hint else ()), button(texts, "guide.skip", SkipTask()), close),
         )
 
     def _begin(self, memory: Memory) -> None:
