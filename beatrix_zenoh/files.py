@@ -21,6 +21,18 @@ from beatrix_zenoh.contract.errors import bad_value, wrong_usage
 BARE = re.compile(r"[A-Za-z0-9_-]+")
 """Keys that TOML accepts without quotes."""
 
+Stamp = tuple[int, int]
+"""Time (ns since 1970) and size (bytes) of a file: others after each save."""
+
+
+def stamp(path: Path) -> Stamp | None:
+    """Return the stamp of a file; None if it is missing."""
+    try:
+        found = path.stat()
+    except OSError:
+        return None
+    return found.st_mtime_ns, found.st_size
+
 
 def content(path: Path, longest: int, form: str, called: str = "") -> bytes:
     """Return the bytes of a file of at most `longest` bytes.

@@ -84,7 +84,7 @@ class Hub:
             "cameras", self._jobs, lambda: self._link.session, self._begin_camera
         )
         self._watch_cameras()
-        self._link.look()
+        self._link.world()  # looks for the router, and for gestures before a page shows them
 
     # -- views ---------------------------------------------------------------------------------------
 

@@ -13,7 +13,7 @@ from PyQt5.QtWidgets import QFrame, QHBoxLayout, QScrollArea, QTabWidget, QVBoxL
 from gui.console.state.intents import Choose, Tab, Theme, WindowPage
 from gui.console.state.views import HistoryRowView, RefusalView, View
 from gui.console.texts import Texts
-from gui.window.keys import KeySheet
+from gui.window.keys import KeySheet, Steering
 from gui.window.theme import style_of
 from gui.window.widgets.arms import ArmsPanel
 from gui.window.widgets.class_page import ClassPage
@@ -23,14 +23,12 @@ from gui.window.widgets.eyes import EyesPanel
 from gui.window.widgets.gestures import GesturesPanel
 from gui.window.widgets.head import HeadPanel
 from gui.window.widgets.head3d import Head3d
-from gui.window.widgets.header import Header
+from gui.window.widgets.header import Header, ShowButtons
 from gui.window.widgets.history import HistoryPanel
 from gui.window.widgets.notices import Banner, ConnectSheet, RefusalNotice, TroubleNotice
 from gui.window.widgets.plots import PlotsPanel
 from gui.window.widgets.sending import CommandsPanel, SendingPanel, StopBar
 from gui.window.widgets.sequence import SequencePanel
-from gui.window.widgets.showing import ShowButtons
-from gui.window.widgets.steering import Steering
 from gui.window.widgets.strip import Strip
 
 P = TypeVar("P", bound=Panel)

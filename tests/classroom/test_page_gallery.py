@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import json
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
 
 import av
@@ -15,40 +14,13 @@ from browser import Browser
 from class_router import CLI, ClassRouter
 from PIL import Image
 from robots import Process
-from web_client import WebClient, serving
+from web_client import WebClient
 
 from beatrix_zenoh import class_words as words
 from gui.page.gallery import BYTES_MAX, SHOWN_MAX, Gallery
-from gui.page.seats import Seats
 
 PNG = b"\x89PNG\r\n\x1a\n and the rest"
 WEBM, MP4 = b"\x1a\x45\xdf\xa3\x42\x82\x84webm", b"\0\0\0\x20ftypisom"
-
-
-@pytest.fixture(scope="module")
-def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
-    with ClassRouter(tmp_path_factory.mktemp("class")) as made:
-        yield made
-
-
-@pytest.fixture(scope="module")
-def port(router: ClassRouter) -> Iterator[int]:
-    account = router.account("teacher")
-    with serving(account.connect, account=account, login=Seats(router.classroom, router.folder)) as made:
-        yield made
-
-
-@pytest.fixture
-def browsers(port: int, router: ClassRouter) -> Iterator[dict[str, WebClient]]:
-    made = {seat: WebClient(port) for seat in ("ana", "ben", "teacher", "")}
-    for seat, browser in made.items():
-        browser.load()
-        if seat:
-            assert browser.log_in(words.read(router.folder).words[seat]).code == 303
-            browser.load()
-    yield made
-    for browser in made.values():
-        browser.__exit__()
 
 
 def shown(browser: WebClient) -> list[list[str]]:

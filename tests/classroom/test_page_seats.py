@@ -11,7 +11,7 @@ import pytest
 from class_router import CLI, ClassRouter
 from robots import Process, until
 from tornado.websocket import WebSocketClosedError
-from web_client import WebClient, WebSocket, serving
+from web_client import WebClient, WebSocket
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import class_words as words
@@ -32,27 +32,6 @@ def router(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClassRouter]:
             simulation.expect("ready")
         yield made
         simulation.end()
-
-
-@pytest.fixture(scope="module")
-def port(router: ClassRouter) -> Iterator[int]:
-    account = router.account("teacher")
-    with serving(account.connect, account=account, login=Seats(router.classroom, router.folder)) as made:
-        yield made
-
-
-@pytest.fixture
-def browsers(port: int, router: ClassRouter) -> Iterator[dict[str, WebClient]]:
-    """A browser of each seat, and one that is not logged in."""
-    made = {seat: WebClient(port) for seat in ("ana", "ben", "teacher", "")}
-    for seat, browser in made.items():
-        browser.load()
-        if seat:
-            assert browser.log_in(words.read(router.folder).words[seat]).code == 303
-            browser.load()
-    yield made
-    for browser in made.values():
-        browser.__exit__()
 
 
 def drives(view: dict[str, Any]) -> bool:

@@ -14,7 +14,7 @@ from recording_link import RecordingLink
 from beatrix_zenoh.body.figure import Figure, meshes
 from beatrix_zenoh.body.head_shape import AWAKE, Face
 from beatrix_zenoh.contract._generated.robot import COLOURS, ROBOT, SIZES
-from gui.window.widgets.head3d_face import ATTENTION, CLOSED, WAKING, Lids
+from gui.window.widgets.head3d import ATTENTION, CLOSED, WAKING, Lids
 from gui.window.window import Window
 
 

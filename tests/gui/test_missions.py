@@ -14,13 +14,12 @@ from msgspec import structs
 from beatrix_zenoh.contract._generated.messages import Head, Reason
 from gui.console.state.actions import Abort, Action, Outcome, Play, RunLesson, Send, SendNow, SendStop
 from gui.console.state.intents import AimHead, Choose, Intent, SendHead, Stop
-from gui.console.state.lesson_run import CheckReport, LessonRun
 from gui.console.state.lesson_strip import OpenLesson, ShowSheet
 from gui.console.state.missions import MISSIONS, STEPS, TASKS, CloseGuide, OpenGuide, ShowHint, SkipTask
 from gui.console.state.saved import Saved
 from gui.console.state.state import State
 from gui.console.state.views import StripView
-from gui.console.state.world import PlanPhase, PlanProgress, ProgramProgress, World
+from gui.console.state.world import CheckReport, LessonRun, PlanPhase, PlanProgress, ProgramProgress, World
 
 WELL = world()
 Arms = tuple[float, float, float]

@@ -8,18 +8,16 @@ from pathlib import Path
 import pytest
 from gui_windows import HOME, Windowed, drag, near, windowed
 from present import present
-from PyQt5.QtCore import QPoint, Qt
+from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QLabel
 from pytestqt.qtbot import QtBot
 from robots import Stage, ready, until
 
 from beatrix_zenoh import Refused, Robot
-from beatrix_zenoh.body.scene import SKULL
 from beatrix_zenoh.contract.names import ARMS
 from gui.console.state.intents import HeadOrientation
 from gui.console.state.saved import Saved
-from gui.window.widgets.head3d_drag import on_screen
 
 pytestmark = pytest.mark.no_cover  # the tests of window, link and bridge cover the same code
 
@@ -177,22 +175,6 @@ def test_the_user_drags_a_target_on_the_pad_and_sends_it(user: Windowed, sim: Ro
     user.until_last("look", "done")
     for robot in (sim, hw):
         assert robot.positions().head == pytest.approx((0, target.pitch, target.roll), abs=0.25)
-
-
-@pytest.mark.long("test_head3d.py and test_link_plans.py have its parts")
-def test_the_dragged_head_is_sent_to_both_robots(user: Windowed, sim: Robot, hw: Robot) -> None:
-    head = user.window.panels.head3d
-    x, y, _ = on_screen(head.screen3d, user.state.view(user.window._world).head.target, SKULL)
-    drag(head, QPoint(round(x), round(y)), QPoint(round(x) - 40, round(y) - 15))
-    target = present(user.state.choices.target)
-    assert target.yaw > 10  # from behind, left is left
-    assert target.pitch < -3  # nose up
-    user.window.panels.head.pad.setFocus()
-    QTest.keyClick(user.window.panels.head.pad, Qt.Key.Key_Return)
-    user.until_shown()
-    user.until_last("look", "done")
-    for robot in (sim, hw):
-        assert robot.positions().head == pytest.approx((target.yaw, target.pitch, target.roll), abs=0.5)
 
 
 # -- following a face -----------------------------------------------------------------------------

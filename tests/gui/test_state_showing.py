@@ -9,36 +9,30 @@ from gui_worlds import BOTH, NOT_SIM, NOWHERE, absent, state_after, world
 
 from gui.console.state.actions import EndFilm, OpenPicture, TakePicture
 from gui.console.state.intents import Choose, Stop
-from gui.console.state.world import PictureProgress, Trouble
+from gui.console.state.world import PictureProgress, Trouble, World
 
 FILE = Path("/tmp/bea1.png")
 
 
 @pytest.mark.parametrize(
-    ("choices", "sides", "titles"),
+    ("choices", "now", "sides", "titles"),
     [
-        ((), ("sim",), ("",)),
-        ((NOT_SIM, BOTH), ("hw",), ("",)),
-        ((BOTH,), ("sim", "hw"), ("Simulation", "Hardware")),
-        ((NOT_SIM,), ("sim", "hw"), ("Simulation", "Hardware")),
+        ((), world(), ("sim",), ("",)),
+        ((NOT_SIM, BOTH), world(), ("hw",), ("",)),
+        ((BOTH,), world(), ("sim", "hw"), ("Simulation", "Hardware")),
+        ((NOT_SIM,), world(), ("sim", "hw"), ("Simulation", "Hardware")),
+        ((NOT_SIM, BOTH), world(hw=absent("hw")), ("sim",), ("",)),
+        ((), NOWHERE, (), ("",)),
     ],
 )
 def test_the_checked_robots_are_shown_else_all(
-    choices: tuple[Choose, ...], sides: tuple[str, ...], titles: tuple[str, ...]
+    choices: tuple[Choose, ...], now: World, sides: tuple[str, ...], titles: tuple[str, ...]
 ) -> None:
     state = state_after(*choices)
-    view = state.view(world()).show
+    view = state.view(now).show
+    assert {view.photo.enabled, view.film.toggle.enabled} == {bool(sides)}
     assert view.photo.intent == TakePicture(False, sides, titles, "ben · bea1")
-    assert state.handle(view.film.toggle.intent, world()) == [TakePicture(True, sides, titles, "ben · bea1")]
-
-
-def test_the_simulation_alone_is_enough_and_nothing_is_not() -> None:
-    for checked in ((), (NOT_SIM, BOTH)):
-        view = state_after(*checked).view(world(hw=absent("hw"))).show
-        assert view.photo.enabled
-        assert view.photo.intent == TakePicture(False, ("sim",), ("",), "ben · bea1")
-    nothing = state_after().view(NOWHERE).show
-    assert {nothing.photo.enabled, nothing.film.toggle.enabled} == {False}
+    assert state.handle(view.film.toggle.intent, now) == [TakePicture(True, sides, titles, "ben · bea1")]
 
 
 def test_a_film_shows_its_clock_and_a_second_press_ends_it() -> None:

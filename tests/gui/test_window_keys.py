@@ -209,20 +209,6 @@ def test_an_address_is_typed_and_space_is_stop_meanwhile(window: Window, link: R
     assert address.text() == "lab", "it can be corrected"
 
 
-def test_tab_reaches_every_control_and_returns_to_the_first(qtbot: QtBot, window: Window) -> None:
-    start = window.panels.header.robots
-    focus(qtbot, start)
-    seen: list[QWidget] = []
-    while not seen or seen[-1] is not start:
-        press(Qt.Key.Key_Tab)
-        now = present(QApplication.focusWidget())
-        assert now not in seen
-        seen.append(now)
-    panels = window.panels
-    assert {panels.head.pad, panels.sending.send, panels.arms.rows["short"].minus, panels.stop_bar} <= {*seen}
-    assert all(widget.accessibleName() or widget.inherits("QTabBar") for widget in seen)
-
-
 STEPS = [
     (Qt.Key.Key_Left, (0.0, 0.0, -1.0)),
     (Qt.Key.Key_Right, (0.0, 0.0, 1.0)),

@@ -221,6 +221,7 @@ def test_tab_reaches_every_control_as_the_eye_does(window: Window, qtbot: QtBot)
             seen.append(now)
             window.focusNextChild()
         assert now is first
+        assert all(widget.accessibleName() or widget.inherits("QTabBar") for widget in seen)
         expected = [panels.guide, panels.header, panels.head, panels.sending]
         expected += (
             [panels.commands, panels.head3d] if small else [panels.arms, panels.head3d, panels.commands]

@@ -11,9 +11,8 @@ import pytest
 from beatrix_zenoh.client.lease import ask
 from beatrix_zenoh.contract._generated.messages import LeaseAction
 from beatrix_zenoh.lessons.checking import Result, Verdict
-from beatrix_zenoh.lessons.kept_stage import KeptStage
 from beatrix_zenoh.lessons.stage import PUPIL, ROBOT, Stage
-from beatrix_zenoh.lessons.watching import watch
+from beatrix_zenoh.lessons.watching import KeptStage, watch
 
 LONG_S = 60.0
 

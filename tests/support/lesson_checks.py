@@ -14,9 +14,9 @@ from _pytest.mark import ParameterSet
 from beatrix_zenoh.lesson_files import Lesson
 from beatrix_zenoh.lessons import program
 from beatrix_zenoh.lessons.checking import Result, Verdict, check
-from beatrix_zenoh.lessons.kept_stage import tidy
 from beatrix_zenoh.lessons.phrases import Tell
 from beatrix_zenoh.lessons.stage import Stage, open_stage
+from beatrix_zenoh.lessons.watching import tidy
 from sim_node.target import HOME
 
 BUSY_TRIES = 2

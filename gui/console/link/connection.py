@@ -17,7 +17,7 @@ from beatrix_zenoh.contract._generated.messages import Info, LimitInfo, Reason, 
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer
 from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.settings import Settings
-from gui.console.link.jobs import Job, Jobs
+from gui.console.link.jobs import Job, Jobs, Repeated
 from gui.console.state.world import LinkPhase
 
 RETRY_S = 1.0
@@ -277,9 +277,7 @@ class Probe:
     """Queries one robot in a queue of its own, so that a silent robot does not delay queries to the other."""
 
     def __init__(self, side: str, jobs: Jobs, period_s: float) -> None:
-        self._side, self._jobs, self._period_s = side, jobs, period_s
-        self._due_s = 0.0
-        """when to query again (monotonic clock, s); infinite while a query is under way"""
+        self._side, self._queries = side, Repeated(jobs, f"probe-{side}", period_s)
         self.round_trip_s: float | None = None
         """duration (s) of the last query; None: the robot did not answer, or no query was sent"""
         self._limits: tuple[Place, LimitInfo] | None = None
@@ -294,10 +292,9 @@ class Probe:
         place = ("" if session is None else session.twin.name, self._side)
         if session is None or place not in session.monitor.present():
             self.round_trip_s = self._limits = None  # the next robot of this name may have other limits
-        elif now_s >= self._due_s:
-            self._due_s = math.inf
+        else:
             client = session.client
-            self._jobs.put(f"probe-{self._side}", lambda: self._query(client, place))
+            self._queries.look(now_s, lambda: self._query(client, place))
 
     def _query(self, client: Client, place: Place) -> None:
         began_s = time.monotonic()
@@ -306,5 +303,3 @@ class Probe:
             self.round_trip_s = time.monotonic() - began_s
         except BeatrixError:
             self.round_trip_s = None
-        finally:
-            self._due_s = time.monotonic() + self._period_s

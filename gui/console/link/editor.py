@@ -26,15 +26,15 @@ class Editor:
         """Begin with the program of the presses."""
         self._now = CodeProgress(Path.home() / "beatrix-programs/presses.py")
         self._looked_s = 0.0
-        self._stamp: object = None
-        """time and size of the file when it was read or written last"""
+        self._stamp: files.Stamp | None = None
+        """of the file when it was read or written last"""
 
     def progress(self, now_s: float) -> CodeProgress:
         """Return the program at a time (monotonic clock, s)."""
         file = self._now.file
         if file is not None and now_s - self._looked_s > LOOK_S:
             self._looked_s = now_s
-            if stamp(file) not in (self._stamp, None):
+            if files.stamp(file) not in (self._stamp, None):
                 self._read(file)
         return self._now
 
@@ -47,7 +47,7 @@ class Editor:
             self._read(action.file)
 
     def _read(self, file: Path) -> None:
-        self._stamp, trouble = stamp(file), Trouble("result.no_program", slots={"file": str(file)})
+        self._stamp, trouble = files.stamp(file), Trouble("result.no_program", slots={"file": str(file)})
         try:
             text = files.text(file, LARGEST_BYTES, "Python")
         except (OSError, WrongUsage):
@@ -69,19 +69,10 @@ class Editor:
                 unfinished.write_text(action.text, encoding="utf-8")
         except OSError:
             trouble = Trouble("result.no_write", slots={"file": str(file)})
-        self._now, self._stamp = replace(self._now, trouble=trouble), stamp(file)
+        self._now, self._stamp = replace(self._now, trouble=trouble), files.stamp(file)
 
 
 def unused(file: Path) -> Path:
     """Return the file with the first number at its name that no other file has."""
     names = (file.with_name(f"{file.stem}-{number}.py") for number in itertools.count(1))
     return next(name for name in names if not name.exists())
-
-
-def stamp(file: Path) -> object:
-    """Return time and size of a file; None if it is missing."""
-    try:
-        found = file.stat()
-    except OSError:
-        return None
-    return found.st_mtime_ns, found.st_size

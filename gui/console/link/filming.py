@@ -15,6 +15,7 @@ from typing import Final
 
 import msgspec
 
+from beatrix_zenoh.client.degrees import reading
 from beatrix_zenoh.contract._generated.messages import Positions
 from gui.console.link.children import folder
 from gui.console.link.connection import Session
@@ -72,7 +73,7 @@ class Filming:
         monitor, robot = session.monitor, session.twin.name
         moments: list[tuple[Pose, ...]] = []
         while action.film or not moments:
-            found = tuple(degrees(monitor.positions(robot, side)) for side in action.sides)
+            found = tuple(pose(monitor.positions(robot, side)) for side in action.sides)
             if not all(found):
                 break
             moments.append(found)
@@ -122,14 +123,10 @@ class Filming:
             self._process.terminate()
 
 
-def degrees(found: Positions | None) -> Pose:
+def pose(found: Positions | None) -> Pose:
     """Return a pose to a hundredth of a degree, as a Shot has it; empty: it is unknown."""
-    if found is None:
-        return ()
-    arms, head = found.position, found.head
-    return tuple(
-        round(math.degrees(angle), 2) for angle in (arms.x, arms.y, arms.z, head.yaw, head.pitch, head.roll)
-    )
+    seen = None if found is None else reading(found)
+    return () if seen is None else tuple(round(angle, 2) for angle in (*seen.arms, *seen.head))
 
 
 def ended(moments: list[tuple[Pose, ...]]) -> bool:

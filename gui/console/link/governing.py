@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import time
 from collections.abc import Callable
 from typing import Final
 
@@ -12,7 +10,7 @@ from beatrix_zenoh.client.lease import govern, pending, refused
 from beatrix_zenoh.client.lesson_reports import Row, read
 from beatrix_zenoh.contract._generated.messages import LeaseQuery
 from gui.console.link.connection import Session
-from gui.console.link.jobs import Jobs
+from gui.console.link.jobs import Jobs, Repeated
 from gui.console.link.outcomes import of_several
 from gui.console.state.actions import Govern, Outcome
 
@@ -45,8 +43,7 @@ class LessonReports:
 
     def watch(self, *, on: bool) -> None:
         """Begin or end reading."""
-        self.watched, self._due_s = on, 0.0
-        """when to read again (monotonic clock, s); infinite while a read is under way"""
+        self.watched, self._reads = on, Repeated(self._jobs, "lessons", REPORTS_S)
         self.rows: tuple[Row, ...] | None = None
         """the newest reports by seat and lesson; None: none were read yet"""
         self.failed = False
@@ -54,9 +51,8 @@ class LessonReports:
 
     def look(self, session: Session | None, now_s: float) -> None:
         """Read the reports again if it is time; returns at once."""
-        if self.watched and session is not None and now_s >= self._due_s:
-            self._due_s = math.inf
-            self._jobs.put("lessons", lambda: self._read(session))
+        if self.watched and session is not None:
+            self._reads.look(now_s, lambda: self._read(session))
 
     def _read(self, session: Session) -> None:
         rows, failed = self.rows, False
@@ -66,4 +62,3 @@ class LessonReports:
             failed = True
         if self.watched:
             self.rows, self.failed = rows, failed
-        self._due_s = time.monotonic() + REPORTS_S

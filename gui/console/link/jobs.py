@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import queue
 import threading
 import time
@@ -49,6 +50,28 @@ class Jobs:
         """Wait for the end of the threads until `deadline_s` (monotonic clock, s)."""
         for thread in self._threads:
             thread.join(max(0.0, deadline_s - time.monotonic()))
+
+
+class Repeated:
+    """A job that runs again a period after its last end."""
+
+    def __init__(self, jobs: Jobs, queue: str, period_s: float) -> None:
+        """Run it in this queue; the first time at once."""
+        self._jobs, self._queue, self._period_s = jobs, queue, period_s
+        self._due_s = 0.0
+        """when it is due (monotonic clock, s); infinite while it waits or runs"""
+
+    def look(self, now_s: float, job: Job) -> None:
+        """Put the job into its queue if it is due; returns at once. Call it in one thread only."""
+        if now_s >= self._due_s:
+            self._due_s = math.inf
+            self._jobs.put(self._queue, lambda: self._run(job))
+
+    def _run(self, job: Job) -> None:
+        try:
+            job()
+        finally:
+            self._due_s = time.monotonic() + self._period_s
 
 
 def serve(jobs: queue.SimpleQueue[Job | None]) -> None:

@@ -18,7 +18,7 @@ from beatrix_zenoh.lessons import progress
 from beatrix_zenoh.processes import POLL_S, Child, Supervisor
 from gui.console.link.jobs import Jobs
 from gui.console.state.actions import RunLesson
-from gui.console.state.lesson_run import CheckReport, LessonRun
+from gui.console.state.world import CheckReport, LessonRun
 
 ANSWER_S: Final = 30.0
 """Time limit of a start or a hint; a busy computer may need several seconds to start Python."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Final
@@ -14,7 +12,7 @@ from beatrix_zenoh.client.shared_gestures import share, shared
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage, wrong_usage
 from gui.console.link.connection import Session
-from gui.console.link.jobs import Jobs
+from gui.console.link.jobs import Jobs, Repeated
 from gui.console.link.outcomes import WindowError, done, failed
 from gui.console.state.actions import NEW, FetchGestures, KeepGesture, Outcome, ShareGesture
 from gui.console.state.world import OwnGesture
@@ -30,16 +28,13 @@ class OwnGestures:
 
     def __init__(self, jobs: Jobs, report: Callable[[Outcome], None]) -> None:
         self._jobs, self._report = jobs, report
-        self._due_s = 0.0
-        """when to look again (monotonic clock, s); infinite while a look is under way"""
-        self._stamps: dict[Path, tuple[int, int]] = {}
+        self._reads = Repeated(jobs, "gestures", PERIOD_S)
+        self._stamps: dict[Path, files.Stamp | None] = {}
         self._found: tuple[OwnGesture, ...] = ()
 
     def newest(self, now_s: float) -> tuple[OwnGesture, ...]:
         """Return the gestures as read last, and look at the folder again if it is time; returns at once."""
-        if now_s >= self._due_s:
-            self._due_s = math.inf
-            self._jobs.put("gestures", self._read)
+        self._reads.look(now_s, self._read)
         return self._found
 
     def keep(self, action: KeepGesture) -> None:
@@ -68,15 +63,10 @@ class OwnGestures:
             self._report(done(action.row, "", "Done."))
 
     def _read(self) -> None:
-        try:
-            paths = sorted(own_gestures.folder().glob("*.csv"), key=lambda path: path.name.casefold())
-            stats = {path: path.stat() for path in paths[: own_gestures.MOST]}
-            stamps = {path: (stat.st_mtime_ns, stat.st_size) for path, stat in stats.items()}
-        except OSError:
-            stamps = {}
+        paths = sorted(own_gestures.folder().glob("*.csv"), key=lambda path: path.name.casefold())
+        stamps = {path: files.stamp(path) for path in paths[: own_gestures.MOST]}
         if stamps != self._stamps:
             self._stamps, self._found = stamps, tuple(read(path) for path in stamps)
-        self._due_s = time.monotonic() + PERIOD_S
 
 
 def read(path: Path) -> OwnGesture:

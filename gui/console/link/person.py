@@ -11,7 +11,7 @@ from typing import Final
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.contract.errors import BeatrixError
 from gui.console.link.connection import Session
-from gui.console.link.jobs import Jobs
+from gui.console.link.jobs import Jobs, Repeated
 from gui.console.state.actions import MovePerson
 from gui.console.state.world import Person
 
@@ -28,8 +28,9 @@ class SimulatedPerson:
         self._jobs = jobs
         self._robot: Robot | None = None
         self._watched = self._speaks = False
-        self._due_s = self._said_s = -math.inf
-        """when to ask again, infinite while a question is under way; when the voice began (monotonic clock, s)"""
+        self._asks = Repeated(jobs, "person", PERIOD_S)
+        self._said_s = -math.inf
+        """when the voice began (monotonic clock, s)"""
         self._place: tuple[float, float, float] | None = None
         self.moves = 0
         """how often the user has moved the person"""
@@ -49,10 +50,9 @@ class SimulatedPerson:
         if session is None or (session.twin.name, "sim") not in session.monitor.present():
             self._robot, self._place, self._speaks = None, None, False
             return
-        self._robot = session.twin.sim
-        if (self._watched or self._speaks) and now_s >= self._due_s:
-            self._due_s = math.inf
-            self._put(self._ask)
+        self._robot = robot = session.twin.sim
+        if self._watched or self._speaks:
+            self._asks.look(now_s, lambda: suppressed(self._ask, robot))
 
     def move(self, goal: MovePerson) -> None:
         """Move the person; it is shown there at once."""
@@ -72,16 +72,13 @@ class SimulatedPerson:
             self._jobs.put("person", lambda: suppressed(request, robot))
 
     def _ask(self, robot: Robot) -> None:
-        try:
-            moves, found = self.moves, robot.target()
-            if moves == self.moves:  # otherwise the answer is older than the present place
-                self._place = found.x, found.y, found.z
-            if self._speaks and time.monotonic() > self._said_s + AGAIN_S:
-                self._said_s = time.monotonic()
-                robot.place_sound()
-                robot.play_sound("voice", SPEECH_S)
-        finally:
-            self._due_s = time.monotonic() + PERIOD_S
+        moves, found = self.moves, robot.target()
+        if moves == self.moves:  # otherwise the answer is older than the present place
+            self._place = found.x, found.y, found.z
+        if self._speaks and time.monotonic() > self._said_s + AGAIN_S:
+            self._said_s = time.monotonic()
+            robot.place_sound()
+            robot.play_sound("voice", SPEECH_S)
 
 
 def suppressed(request: Callable[[Robot], object], robot: Robot) -> None:

@@ -1,4 +1,4 @@
-"""Buttons and what they do: calibrate, home, undo, enable, disable, reset, make ready, STOP, Record."""
+"""Buttons and what they do: calibrate, home, undo, enable, disable, reset, make ready, STOP, Record, Photo, Film."""
 
 from __future__ import annotations
 
@@ -8,11 +8,12 @@ from typing import NamedTuple
 from beatrix_zenoh.client.degrees import ArmAngles
 from beatrix_zenoh.contract._generated.messages import Command
 from gui.console.state import actions, refusals, sending, sequence
-from gui.console.state.actions import NEW, Action, MakeReady, SendCommand, SendStop, WriteFile
+from gui.console.state.actions import NEW, Action, MakeReady, SendCommand, SendStop, TakePicture, WriteFile
 from gui.console.state.intents import EmergencyStop, Intent, Repeat, RunCommand, Stop, Undo, WindowPage
 from gui.console.state.memory import Handles, Memory, Request, RequestRow, again, begin, send_arms
-from gui.console.state.views import ButtonView, CommandsView, RecordView, button
-from gui.console.state.world import LinkPhase, World
+from gui.console.state.views import ButtonView, CommandsView, RecordView, ShowView, button
+from gui.console.state.world import LinkPhase, World, news, reading
+from gui.console.texts import Texts
 
 CONTROL, CLASS = "commands", "class"
 DAILY = ("home", "undo")
@@ -145,20 +146,48 @@ def recording_view(memory: Memory, world: World) -> RecordView:
     """Return the Record button, the duration, and the button that opens the recording."""
     texts, recording = memory.choices.texts, world.recording
     if recording is not None and recording.running:
-        minutes, seconds = divmod(max(0.0, recording.seconds) // 1, 60.0)
         off = "record.ending_tip" if recording.ending else ""
-        return RecordView(
-            button(texts, "record.end", actions.EndRecording(), off),
-            running=True,
-            text=texts("minutes", minutes=minutes, seconds=seconds),
-            open=None,
-        )
+        toggle = button(texts, "record.end", actions.EndRecording(), off)
+        return RecordView(toggle, running=True, text=_clock(texts, recording.seconds), open=None)
     shown = None
     if recording is not None:
         shown = button(texts, "record.open", actions.ViewRecording(recording.file), file=str(recording.file))
     off = "" if world.phase is LinkPhase.ONLINE else "off.no_router"
     toggle = button(texts, "record.begin", actions.BeginRecording(), off)
     return RecordView(toggle, running=False, text="", open=shown)
+
+
+def _clock(texts: Texts, seconds: float) -> str:
+    minutes, seconds = divmod(max(0.0, seconds) // 1, 60.0)
+    return texts("minutes", minutes=minutes, seconds=seconds)
+
+
+def show_view(memory: Memory, world: World) -> ShowView:
+    """Return *Photo* and *Film*; they show the checked robots, or the only one whose pose is known."""
+    texts, picture = memory.choices.texts, world.picture
+    known = [side for side in ("sim", "hw") if reading(world, side) is not None]
+    sides = tuple(side for side in known if side in memory.choices.sides) or tuple(known)
+    titles = tuple(texts(f"side.{side}") for side in sides) if len(sides) > 1 else ("",)
+    caption = f"{world.shown(world.seat)} · {world.robot}"
+    photo, film = (TakePicture(film, sides, titles, caption) for film in (False, True))
+    if picture.seconds is not None:
+        toggle = button(texts, "picture.film_end", actions.EndFilm())
+        busy = button(texts, "picture.photo", photo, "picture.film_end_tip")
+        clock = _clock(texts, picture.seconds)
+        return ShowView(busy, RecordView(toggle, running=True, text=clock, open=None))
+    off = "picture.writing_tip" if picture.writing else "" if sides else "off.no_position"
+    shown = None
+    if picture.file is not None:
+        shown = button(texts, "picture.open", actions.OpenPicture(picture.file), file=str(picture.file))
+    toggle = button(texts, "picture.writing" if picture.writing else "picture.film", film, off)
+    record = RecordView(toggle, running=False, text="", open=shown)
+    return ShowView(button(texts, "picture.photo", photo, off), record)
+
+
+def take_picture(memory: Memory, world: World, action: TakePicture) -> list[Action]:
+    """Return the action; its file will be the news of the last line."""
+    memory.news = news(world)
+    return [action]
 
 
 HANDLES: Handles = {
@@ -169,4 +198,5 @@ HANDLES: Handles = {
     Repeat: repeat,
     Undo: undo,
     WriteFile: request,
+    TakePicture: take_picture,
 }

@@ -9,10 +9,9 @@ from typing import Final, Literal
 from beatrix_zenoh.lesson_files import Lesson, lessons
 from gui.console.state.actions import Action, RunLesson
 from gui.console.state.intents import Intent
-from gui.console.state.lesson_run import CheckReport
 from gui.console.state.memory import Memory
 from gui.console.state.views import ButtonView, StripView, button
-from gui.console.state.world import World
+from gui.console.state.world import CheckReport, World
 from gui.console.texts import Texts
 
 Sheet = Literal["", "page", "hint", "picture"]
@@ -47,11 +46,6 @@ class LessonStrip:
         self._number = 0
         self._sheet: Sheet = ""
         self._seen = CheckReport()
-
-    @property
-    def state(self) -> tuple[object, ...]:
-        """What the view is made from, besides the world."""
-        return self._number, self._sheet
 
     def handle(self, memory: Memory, world: World, intent: OpenLesson | ShowSheet) -> list[Action]:
         """Show a lesson, its page or a picture."""
@@ -113,16 +107,12 @@ class LessonStrip:
             button(texts, "strip.next", OpenLesson(after)),
             close,
         )
-        text, picture = "\n".join(filter(None, (f"{head} {text}", run.note))), self.sheet(memory, world)
         return StripView(
-            text=text,
+            text="\n".join(filter(None, (f"{head} {text}", run.note))),
             progress="".join(MARKS[one.name in run.passed] for one in all_known),
             count=texts("strip.count", done=float(len(run.passed)), count=float(len(all_known))),
-            good=True if report.outcome == "passed" or (passed and not report.outcome) else None,
+            good=report.outcome == "passed" or (passed and not report.outcome),
             buttons=tuple(one for one in buttons if one is not None),
-            lessons=self.menu(memory, world),
-            page=picture[0],
-            picture=picture[1],
         )
 
     def _shown(self, memory: Memory, world: World) -> Lesson:

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+import math
+from collections import defaultdict, deque
 from dataclasses import replace
 from typing import Final
 
+from beatrix_zenoh.client.degrees import Reading
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.actions import NEW, POSES, Action, Play, Send, SendStop
 from gui.console.state.intents import Intent, WindowPage
 from gui.console.state.lesson_strip import MARKS, LessonStrip, OpenLesson, ShowSheet
-from gui.console.state.memory import CHEER, Kept, Memory, Motion, RequestRow, begin
+from gui.console.state.memory import CHEER, Memory, Motion, RequestRow, begin
 from gui.console.state.pills import finding, problem
-from gui.console.state.seen_moves import SeenMoves
 from gui.console.state.sending import PAD, REASONS
-from gui.console.state.views import Condition, StripView, button
+from gui.console.state.views import ButtonView, Condition, StripView, button
 from gui.console.state.world import World, online
 from gui.console.texts import Texts
 
@@ -29,6 +30,18 @@ DANCE: Final = 3
 """Poses of a dance."""
 CHEER_S: Final = 0.5, 3.0
 """When (s) after a task the head may celebrate it: a program of the user moves it again before that."""
+SIDE_DEG: Final = 5.0
+"""How far a head turns to one side (yaw), so that it counts."""
+SWINGS, SWINGS_S = 3, 6.0
+"""How many turns to alternate sides say no, and in which time (s)."""
+EAR_DEG, BESIDE_DEG = 15.0, 6.0
+"""How far an ear sinks, and how far the head turns and nods at most meanwhile."""
+ARM_DEG, REST_DEG = 20.0, 3.0
+"""How far one arm turns, and the two others at most."""
+AWAKE_DEG, ASLEEP_DEG, SLOWLY_S = 5.0, 20.0, 4.0
+"""From which pitch to which one a head falls asleep, and in which time (s) at least."""
+ROUND_DEG, ROUND_S = 8.0, 20.0
+"""How far from straight ahead a circle is, and its longest time (s)."""
 
 
 class SkipTask(Intent, frozen=True):
@@ -50,6 +63,56 @@ class ShowHint(Intent, frozen=True):
 HANDLED: Final = (SkipTask, CloseGuide, OpenGuide, ShowHint, OpenLesson, ShowSheet)
 
 
+class SeenMoves:
+    """What one robot has done since the present mission began; angles in degrees, times on the monotonic clock (s)."""
+
+    def __init__(self) -> None:
+        self._turns: deque[tuple[bool, float]] = deque(maxlen=SWINGS)
+        """whether its head turned to the left or right, in turn, and when"""
+        self._quarters: deque[tuple[int, float]] = deque(maxlen=5)
+        """to which quarter its nose pointed, in turn, and when"""
+        self._awake_s, self._fall_s = math.inf, 0.0
+        """when the nose was up last, and how long it sank from then"""
+        self._all: tuple[float, ...] = ()
+
+    def note(self, now: Reading, now_s: float) -> None:
+        """Note what the robot does now."""
+        yaw, pitch, roll = now.head
+        self._all = yaw, pitch, roll, *now.arms
+        if abs(yaw) >= SIDE_DEG and (not self._turns or (yaw > 0) is not self._turns[-1][0]):
+            self._turns.append((yaw > 0, now_s))
+        quarter = math.floor(math.atan2(pitch, yaw) / (math.pi / 2) + 0.5) % 4
+        away = math.hypot(yaw, pitch) >= ROUND_DEG
+        if away and (not self._quarters or quarter != self._quarters[-1][0]):
+            self._quarters.append((quarter, now_s))
+        if pitch < AWAKE_DEG:
+            self._awake_s, self._fall_s = now_s, 0.0
+        elif pitch >= ASLEEP_DEG and not self._fall_s:
+            self._fall_s = max(now_s - self._awake_s, 0.1)
+
+    def does(self, task: str) -> bool:
+        """Return whether the robot has just done a mission."""
+        if not self._all:
+            return False
+        done = False
+        yaw, pitch, roll, *arms = self._all
+        turns, quarters, lowest = self._turns, self._quarters, sorted(map(abs, arms))
+        match task:
+            case "no":
+                done = len(turns) == SWINGS and turns[-1][1] - turns[0][1] <= SWINGS_S
+            case "hm":
+                done = abs(roll) >= EAR_DEG and max(abs(yaw), abs(pitch)) <= BESIDE_DEG
+            case "arm":
+                done = lowest[2] >= ARM_DEG and lowest[1] <= REST_DEG
+            case "sleepy":
+                done = self._fall_s >= SLOWLY_S
+            case "circle":
+                ways = {(b[0] - a[0]) % 4 for a, b in zip(quarters, [*quarters][1:], strict=False)}
+                full = len(quarters) == quarters.maxlen and len(ways & {1, 3}) == len(ways) == 1
+                done = full and quarters[-1][1] - quarters[0][1] <= ROUND_S
+        return done
+
+
 class Guide:
     """Which step or mission is shown; used like `Memory`, in one thread."""
 
@@ -66,7 +129,6 @@ class Guide:
         self._lessons = LessonStrip()
         self._reads = False
         """whether lessons are shown before all tasks are done"""
-        self._kept = Kept[StripView]()
 
     def follow(self, memory: Memory, world: World) -> None:
         """Go on to the next task if the robots, or the outcomes of requests, show that the present one is done."""
@@ -127,43 +189,28 @@ class Guide:
         texts = memory.choices.texts
         if world.is_teacher or memory.choices.page is WindowPage.CLASS or self.done > len(TASKS):
             return None
-        made_from = (
-            texts.code,
-            self.done,
-            self._reads,
-            self._praise,
-            self._hint,
-            self._lessons.state,
-            world.lesson,
-        )
-        return self._kept.get(made_from, lambda: self._made(memory, world, texts))
-
-    def _made(self, memory: Memory, world: World, texts: Texts) -> StripView:
-        """Return the view of what is not closed."""
         close = button(texts, "guide.close", CloseGuide())
-        if self.done == len(TASKS) or self._reads:
-            lesson = self._lessons.view(memory, world, close)
-            if self.done < len(TASKS):
-                missions = button(texts, "guide.missions", OpenGuide())
-                lesson = replace(lesson, lessons=(missions, *lesson.lessons))
-            praised = texts("guide.well_done", text=lesson.text)
-            return replace(lesson, text=praised, good=True) if self._praise else lesson
+        reads = self.done == len(TASKS) or self._reads
+        strip = self._lessons.view(memory, world, close) if reads else self._task(texts, close)
+        if self._praise:
+            strip = replace(strip, text=texts("guide.well_done", text=strip.text), good=True)
+        back = (button(texts, "guide.missions", OpenGuide()),) if self.done < len(TASKS) and reads else ()
+        page, picture = self._lessons.sheet(memory, world)
+        menu = (*back, *self._lessons.menu(memory, world))
+        return replace(strip, lessons=menu, page=page, picture=picture)
+
+    def _task(self, texts: Texts, close: ButtonView) -> StripView:
+        """Return the present step or mission."""
         task = TASKS[self.done]
         key, among = ("guide.a_step", STEPS) if task in STEPS else ("guide.a_mission", MISSIONS)
         at = among.index(task)
         text = texts(key, text=texts(f"guide.{task}"), number=at + 1.0, count=float(len(among)))
-        text = texts("guide.well_done", text=text) if self._praise else text
         hint = button(texts, "guide.hint", ShowHint()) if among is MISSIONS else None
-        skip, page = button(texts, "guide.skip", SkipTask()), self._lessons.sheet(memory, world)
         return StripView(
             text=f"{text}\n{texts(f'guide.hint_{task}')}" if self._hint and hint else text,
             progress=MARKS[True] * at + MARKS[False] * (len(among) - at),
             count=texts("strip.count", done=float(at), count=float(len(among))),
-            good=self._praise or None,
-            buttons=tuple(one for one in (hint, skip, close) if one is not None),
-            lessons=self._lessons.menu(memory, world),
-            page=page[0],
-            picture=page[1],
+            buttons=(*((hint,) if hint else ()), button(texts, "guide.skip", SkipTask()), close),
         )
 
     def _begin(self, memory: Memory) -> None:
@@ -181,11 +228,11 @@ class Guide:
             case "drag":
                 done = _is_aimed(memory, world)
             case "send":
-                done = any(
-                    isinstance(row.request, Send) and row.control == PAD and _is_good(row) for row in rows
-                )
+                sent = [row for row in rows if isinstance(row.request, Send) and row.control == PAD]
+                done = any(row.ended and all(one.accepted for one in row.outcomes.values()) for row in sent)
             case "stop":
-                done = any(isinstance(row.request, SendStop) and _is_accepted(row) for row in rows)
+                stops = [row for row in rows if isinstance(row.request, SendStop)]
+                done = any(outcome.accepted for row in stops for outcome in row.outcomes.values())
             case "edge":
                 done = any(outcome.reason in REASONS for row in rows for outcome in row.outcomes.values())
             case "lead":
@@ -207,11 +254,3 @@ def _is_aimed(memory: Memory, world: World) -> bool:
         return False
     aim = (target.yaw, target.pitch, target.roll)
     return max(abs(wanted - at) for wanted, at in zip(aim, heads[0], strict=True)) >= AIMED_DEG
-
-
-def _is_accepted(row: RequestRow) -> bool:
-    return any(outcome.accepted for outcome in row.outcomes.values())
-
-
-def _is_good(row: RequestRow) -> bool:
-    return row.ended and all(outcome.accepted for outcome in row.outcomes.values())

@@ -23,7 +23,6 @@ from gui.console.state import (
     refusals,
     sending,
     sequence,
-    showing,
 )
 from gui.console.state.actions import Action, Outcome
 from gui.console.state.intents import Choose, Intent, Tab, WindowPage
@@ -46,7 +45,7 @@ def choose(memory: Memory, world: World, intent: Choose) -> list[Action]:
 
 TOPICS = (
     *(arms, blocks, class_page, commands, connecting, editor, gestures, leases),
-    *(own_gestures, refusals, sending, sequence, showing),
+    *(own_gestures, refusals, sending, sequence),
 )
 HANDLES: Handles = {
     Choose: choose,
@@ -102,7 +101,7 @@ class State:
             history=history.view(memory, world),
             code=editor.view(memory, world),
             record=commands.recording_view(memory, world),
-            show=showing.view(memory, world),
+            show=commands.show_view(memory, world),
             last=history.last(memory, world),
             last_detail=history.last_detail(memory, world),
             stop=commands.stop_button(memory),

@@ -96,10 +96,10 @@ class StripView:
     """a dot for each step, mission or lesson, full if it is done"""
     count: str
     """the same in words"""
-    good: bool | None
-    """whether something was just done, or this lesson has passed; None: neither"""
     buttons: tuple[ButtonView, ...]
-    lessons: tuple[ButtonView, ...]
+    good: bool = False
+    """whether something was just done, or this lesson has passed"""
+    lessons: tuple[ButtonView, ...] = ()
     """the menu of all lessons"""
     page: str = ""
     """text of a sheet (Markdown); empty: none"""

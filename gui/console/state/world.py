@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 
+import msgspec
+
 from beatrix_zenoh.account import Account
 from beatrix_zenoh.client import Presence, RobotState
 from beatrix_zenoh.client.degrees import ArmAngles, Reading
@@ -16,7 +18,6 @@ from beatrix_zenoh.client.lesson_reports import Row
 from beatrix_zenoh.contract._generated.messages import Fault, LimitInfo, Status
 from beatrix_zenoh.contract.errors import WrongUsage
 from beatrix_zenoh.contract.names import TEACHER
-from gui.console.state.lesson_run import LessonRun
 
 FURTHEST_DEG = 1e4
 """larger angles (deg) do not come from a robot and are ignored"""
@@ -173,6 +174,37 @@ class OwnGesture:
     """of its file"""
     wrong: WrongUsage | None = None
     """why it cannot be played; None: it can"""
+
+
+class CheckReport(msgspec.Struct, frozen=True):
+    """A line of `beatrix lesson watch --json`: a check that has begun or ended, or why there is none."""
+
+    lesson: str = ""
+    outcome: str = ""
+    """`checks`, `passed`, `not_yet` or `not_measurable`; empty: `message` says why there was no check"""
+    asked: str = ""
+    found: str = ""
+    message: str = ""
+    picture: str = ""
+    """file with what was asked and done (SVG); empty: none"""
+
+
+@dataclass(frozen=True)
+class LessonRun:
+    """Lessons of the folder in which the window was started."""
+
+    passed: frozenset[str] = frozenset()
+    """names of the lessons whose programs have passed"""
+    programs: Mapping[str, str] = field(default_factory=dict)
+    """by lesson that was started: path of the program"""
+    watched: int = 0
+    """number of the lesson whose program is checked at each save; 0: none"""
+    report: CheckReport = field(default_factory=CheckReport)
+    """the newest"""
+    hint: str = ""
+    """the last hint; empty: none was asked for"""
+    note: str = ""
+    """why a start or a hint is refused; empty: it is not"""
 
 
 @dataclass(frozen=True)

@@ -41,8 +41,10 @@ class CodePanel(FilePanel):
         self.output.setFont(self.program.font())
         menu = QMenu(self.file)
         menu.addAction(texts("code.from_presses"), lambda: self.intent.emit(OpenProgram()))
-        menu.addAction(texts("code.open"), self._open)
-        menu.addAction(texts("code.save_as"), self._save_as)
+        opens, saves = QFileDialog.AcceptMode.AcceptOpen, QFileDialog.AcceptMode.AcceptSave
+        save = lambda file: WriteProgram(self._text, file)  # noqa: E731
+        menu.addAction(texts("code.open"), lambda: self._choose("open", opens, OpenProgram))
+        menu.addAction(texts("code.save_as"), lambda: self._choose("save_as", saves, save))
         self.editor = menu.addAction(texts("code.editor"), self._edit_elsewhere)
         self.file.setMenu(menu)
         head = in_row((self.run, 1), self.file, gap=4)
@@ -83,13 +85,6 @@ class CodePanel(FilePanel):
         if (text := self.program.toPlainText()) != self._shown:
             self._text = self._shown = text
             self.intent.emit(WriteProgram(text))
-
-    def _open(self) -> None:
-        self._choose("open", QFileDialog.AcceptMode.AcceptOpen, OpenProgram)
-
-    def _save_as(self) -> None:
-        saves = QFileDialog.AcceptMode.AcceptSave
-        self._choose("save_as", saves, lambda file: WriteProgram(self._text, file))
 
     def _choose(self, name: str, mode: QFileDialog.AcceptMode, made: Callable[[Path], Intent]) -> None:
         if (view := self._view) is not None:

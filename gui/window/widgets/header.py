@@ -16,7 +16,7 @@ from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.actions import ChooseRobot, LookForPorts
 from gui.console.state.intents import Choose, EmergencyStop, Intent, Theme, WindowPage
 from gui.console.state.missions import OpenGuide
-from gui.console.state.views import ButtonView, PillView, RecordView, View
+from gui.console.state.views import ButtonView, PillView, RecordView, ShowView, View
 from gui.console.texts import LANGUAGES, Texts
 from gui.window.theme import CONDITION_ROLES
 from gui.window.widgets.controls import (
@@ -109,6 +109,21 @@ class RecordButtons(Panel):
         self.toggle.show_view(view.toggle)
         self.toggle.setText(f"■ {view.text}" if view.running else view.toggle.text)
         set_role(self.toggle, "recording", "yes" if view.running else "")
+
+
+class ShowButtons(Panel):
+    """Photo, film with its clock, and the button that opens the last of them."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.photo, self.film = self.button(), RecordButtons()
+        self.reports(self.film.intent)
+        in_row(self.photo, self.film, gap=4, margins=NO_MARGINS, inside=self)
+
+    def show_view(self, view: ShowView) -> None:
+        """Show the buttons."""
+        self.photo.show_view(view.photo)
+        self.film.show_view(view.film)
 
 
 class Pill(Panel):

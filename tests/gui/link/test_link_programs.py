@@ -65,14 +65,6 @@ def test_a_newer_motion_or_play_replaces_the_program(linked: Linked, own: Path) 
     assert short(linked.world, "sim") == pytest.approx(0, abs=0.2)
 
 
-def test_stop_ends_the_program(linked: Linked, own: Path) -> None:
-    turning(linked, 1, own)
-    linked.do(SendStop(2))
-    assert linked.end_of(1).reason is Reason.STOPPED
-    world = linked.until(lambda world: rests(world, "sim"), "the head rests")
-    assert not world.program.running
-
-
 def test_stop_of_another_seat_ends_the_program_and_names_the_seat(
     stage: Stage, linked: Linked, own: Path
 ) -> None:
@@ -82,6 +74,7 @@ def test_stop_of_another_seat_ends_the_program_and_names_the_seat(
         other.do(SendStop(1))
         assert other.end_of(1, "sim").accepted
         end = linked.end_of(1)
+    linked.until(lambda world: rests(world, "sim"), "the head rests")
     assert (end.reason, end.detail and end.detail.presser) == (Reason.STOPPED, "ben")
 
 
