@@ -11,7 +11,6 @@ from PyQt5.QtWidgets import (
     QListWidget,
     QListWidgetItem,
     QSizePolicy,
-    QWidget,
 )
 
 from gui.console.state import intents
@@ -21,7 +20,6 @@ from gui.console.state.views import CardView, SequenceView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
 from gui.window.widgets.controls import (
-    NO_MARGINS,
     ChoiceCheck,
     IntentButton,
     Panel,
@@ -191,19 +189,18 @@ class SequencePanel(Panel):
         self.loop = ChoiceCheck(texts, "loop")
         self.gesture = IntentButton()
         """its intent goes to the gestures, which ask for name and emoji"""
-        others = QWidget()
-        in_row(self.delete, self.duplicate, self.undo, gap=3, margins=NO_MARGINS, inside=others)
-        pairs = (
+        lines = (
             (self.name, self.duration),
             (self.add, self.gesture),
-            (self.loop, others),
+            (self.loop, self.delete, self.duplicate, self.undo),
             (self.play, self.hardware),
         )
         grid = spaced(QGridLayout(), 3)
         grid.setColumnMinimumWidth(0, NAME_PX)
-        for line, (left, right) in enumerate(pairs):
+        for line, (left, *right) in enumerate(lines):
             grid.addWidget(left, line, 0)
-            grid.addWidget(right, line, 1)
+            for number, part in enumerate(right):
+                grid.addWidget(part, line, 1 + number, 1, 3 // len(right))
         in_row((self.strip, 1), grid, gap=6, margins=(4, 4, 4, 4), inside=self)
         self._connect()
 
