@@ -1,4 +1,4 @@
-"""Gestures of the user: files with an emoji, what the window does with them, and their buttons."""
+"""Gestures of the user: files with an emoji, and what the window does with them."""
 
 from __future__ import annotations
 
@@ -10,32 +10,25 @@ from gui_worlds import refusal_of, world
 from hypothesis import given
 from hypothesis import strategies as st
 from present import present
-from PyQt5.QtCore import QPoint, Qt
-from PyQt5.QtTest import QTest
-from pytestqt.qtbot import QtBot
 from robots import until
 
 from beatrix_zenoh.blocks.program import WrongProgram
 from beatrix_zenoh.blocks.program import read as read_blocks
 from beatrix_zenoh.client import own_gestures as files
-from beatrix_zenoh.client.choreography import GESTURES, ArmPose, choreography, load, shipped
+from beatrix_zenoh.client.choreography import ArmPose, choreography, load, shipped
 from beatrix_zenoh.client.motion_file import parse
 from beatrix_zenoh.contract.errors import wrong_usage
 from gui.console.link.jobs import Jobs
 from gui.console.link.outcomes import WindowError
 from gui.console.link.own_gestures import OwnGestures, read, write
-from gui.console.state import gestures
-from gui.console.state.actions import NEW, KeepGesture, Play
-from gui.console.state.intents import Choose, Intent, SaveGesture, Theme
-from gui.console.state.memory import Memory
+from gui.console.state.actions import KeepGesture
+from gui.console.state.intents import Choose, Intent, SaveGesture
 from gui.console.state.own_gestures import OpenGesture
-from gui.console.state.saved import Choices, Saved, SavedPose
+from gui.console.state.saved import Saved, SavedPose
 from gui.console.state.sequence import POSES_MAX
 from gui.console.state.state import State
 from gui.console.state.world import OwnGesture
-from gui.console.texts import Texts
-from gui.window.widgets.gestures import GesturesPanel
-from gui.window.widgets.picture_button import EMOJI, PictureButton
+from gui.window.widgets.picture_button import EMOJI
 
 TEXT = "t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,10,0,0,30\n1,0,0,0,\n"
 POSES = (SavedPose("left", 20.0, 20.0, 20.0, 2.0), SavedPose("up", -8.0, 4.0, 4.0, 2.0))
@@ -193,62 +186,3 @@ def test_a_block_may_name_a_gesture_of_the_user(name: str, known: bool) -> None:
     else:
         with pytest.raises(WrongProgram):
             read_blocks(text % quoted)
-
-
-@pytest.fixture
-def panel(qtbot: QtBot) -> tuple[GesturesPanel, list[Intent]]:
-    made, reported = GesturesPanel(Texts("en")), list[Intent]()
-    made.intent.connect(reported.append)
-    qtbot.addWidget(made)
-    made.resize(660, 110)
-    made.show_theme(Theme.LIGHT)
-    made.show_view(gestures.view(Memory(Choices()), world(gestures=(WINK, BROKEN))))
-    made.show()
-    return made, reported
-
-
-def test_a_sector_of_the_wheel_is_a_button(
-    panel: tuple[GesturesPanel, list[Intent]],
-) -> None:
-    wheel = panel[0].wheel
-    middle = wheel.middle.geometry().center()
-    for button in wheel.buttons.values():
-        towards = button.geometry().center() - middle
-        for share in (0.9, 1.0, 1.1):
-            assert wheel.childAt(middle + towards * share) is button
-    assert wheel.childAt(middle) is wheel.middle
-    assert wheel.childAt(QPoint(1, 1)) is None
-
-
-def test_a_gesture_of_the_user_has_a_button_with_a_menu(panel: tuple[GesturesPanel, list[Intent]]) -> None:
-    made, reported = panel
-    shown = [button for button in made.findChildren(PictureButton) if button.isVisible()]
-    assert len(shown) == len(GESTURES) + 3 + 2, "Follow, Listen and Program, and two of the user; no class"
-    assert "line 3" in made.own["broken"].toolTip()
-    QTest.mouseClick(made.own["wink"], Qt.MouseButton.LeftButton, pos=QPoint(10, 10))
-    edit, rename, delete = present(made.own["wink"].menu()).actions()
-    for entry in (edit, delete, rename):
-        entry.trigger()
-    made.form.name.setText("nod")
-    QTest.mouseClick(made.form.save, Qt.MouseButton.LeftButton)
-    play = Play(NEW, (), gesture="wink")
-    assert reported == [
-        play,
-        OpenGesture("wink"),
-        KeepGesture(NEW, "", "", "wink"),
-        SaveGesture("nod", "😜", old="wink"),
-    ]
-
-
-def test_a_saved_gesture_gets_the_focus_when_its_file_is_there(
-    panel: tuple[GesturesPanel, list[Intent]],
-) -> None:
-    made, reported = panel
-    made.ask(SaveGesture("", ""))
-    made.form.name.setText("nod")
-    made.form.emoji.setCurrentRow(3)
-    QTest.mouseClick(made.form.save, Qt.MouseButton.LeftButton)
-    assert reported == [SaveGesture("nod", EMOJI[3])]
-    nod = OwnGesture("nod", EMOJI[3], TEXT)
-    made.show_view(gestures.view(Memory(Choices()), world(gestures=(WINK, nod))))
-    assert made.focusWidget() is made.own["nod"]

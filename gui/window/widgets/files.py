@@ -22,10 +22,9 @@ class FileDialog(QFileDialog):
         title: str,
         mode: QFileDialog.AcceptMode,
         suffix: str,
-        files: str,
     ) -> None:
-        """Create a hidden dialog for files with this suffix; `files` names their kind, if not the suffix."""
-        super().__init__(parent, title, ".", texts(f"label.{files or suffix}_files"))
+        """Create a hidden dialog for files with this suffix."""
+        super().__init__(parent, title, ".", texts(f"label.{suffix}_files"))
         self._texts = texts
         self.setOption(QFileDialog.Option.DontUseNativeDialog)
         self.setOption(QFileDialog.Option.DontConfirmOverwrite)
@@ -88,7 +87,6 @@ class FilePanel(Panel):
         mode: QFileDialog.AcceptMode,
         suffix: str,
         made: Callable[[Path], Intent],
-        files: str = "",
         folder: Path = Path(),
     ) -> None:
         """Open a file dialog, and report the intent made of its file.
@@ -97,7 +95,7 @@ class FilePanel(Panel):
         """
         if self.dialog is not None:
             self.dialog.deleteLater()
-        self.dialog = FileDialog(self._texts, self, title, mode, suffix, files)
+        self.dialog = FileDialog(self._texts, self, title, mode, suffix)
         if folder != Path():
             self.dialog.setDirectory(str(folder))
         self.dialog.fileSelected.connect(lambda file: self.intent.emit(made(Path(file))))
