@@ -36,10 +36,9 @@ class KeptReports:
         """by key"""
         self._gestures: dict[str, SharedGesture] = {}
         """by key"""
-        bus.subscribe(keys.lesson("*", "*"), self._keep)
-        bus.serve(keys.lesson("*", "*"), self._answer)
-        bus.subscribe(keys.gesture("*", "*"), self._keep_gesture)
-        bus.serve(keys.gesture("*", "*"), self._answer)
+        for key, keep in ((keys.lesson, self._keep), (keys.gesture, self._keep_gesture)):
+            bus.subscribe(key("*", "*"), keep)
+            bus.serve(key("*", "*"), self._answer)
 
     def _keep(self, report: zbus.Received) -> None:
         parts = keys.parse(report.key)
@@ -62,12 +61,9 @@ class KeptReports:
             return
         with contextlib.suppress(BeatrixError):
             names.check_seat(parts.who)
-            new = codec.decode(shared.payload, SharedGesture)
-            seat = keys.gesture(parts.who, "")
-            if (
-                shared.key in self._gestures
-                or sum(key.startswith(seat) for key in self._gestures) < GESTURES_MAX
-            ):
+            new, seat = codec.decode(shared.payload, SharedGesture), keys.gesture(parts.who, "")
+            others = [key for key in self._gestures if key.startswith(seat) and key != shared.key]
+            if len(others) < GESTURES_MAX:
                 self._gestures[shared.key] = new
 
     def _answer(self, incoming: zbus.Incoming) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 
 from beatrix_zenoh.client.lesson_reports import kept
-from beatrix_zenoh.client.own_gestures import LARGEST_BYTES, possible
+from beatrix_zenoh.client.own_gestures import possible
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
@@ -50,8 +50,4 @@ def shared(client: Client) -> dict[str, str]:
         for seat, _, gesture in found
         if not teacher or seat != TEACHER
     }
-    return {
-        name: text
-        for name, text in gestures.items()
-        if possible(name) and len(text.encode()) <= LARGEST_BYTES
-    }
+    return {name: text for name, text in gestures.items() if possible(name)}

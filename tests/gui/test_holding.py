@@ -52,8 +52,7 @@ def test_the_row_of_a_hold_gets_the_angles_at_rest() -> None:
     state.handle(ReleaseArm(), world())
     state.report(Outcome(1, "sim", accepted=True, done=True))
     state.follow(world())
-    (row,) = state.view(world()).history
-    assert "relative" not in row.python
+    assert "relative" not in state.view(world()).code.text
 
 
 @pytest.mark.parametrize("language", ["en", "de"])

@@ -1,4 +1,4 @@
-"""Gestures of the user: files with an emoji, what the window does with them, and their buttons."""
+"""Gestures of the user: files with an emoji, and what the window does with them."""
 
 from __future__ import annotations
 
@@ -6,34 +6,29 @@ import time
 from pathlib import Path
 
 import pytest
-from gui_worlds import world
+from gui_worlds import refusal_of, world
 from hypothesis import given
 from hypothesis import strategies as st
 from present import present
-from PyQt5.QtCore import QPoint, Qt
-from PyQt5.QtTest import QTest
-from pytestqt.qtbot import QtBot
 from robots import until
 
 from beatrix_zenoh.blocks.program import WrongProgram
 from beatrix_zenoh.blocks.program import read as read_blocks
 from beatrix_zenoh.client import own_gestures as files
-from beatrix_zenoh.client.choreography import EMOTIONS, GESTURES, ArmPose, choreography, load, shipped
+from beatrix_zenoh.client.choreography import ArmPose, choreography, load, shipped
 from beatrix_zenoh.client.motion_file import parse
 from beatrix_zenoh.contract.errors import wrong_usage
 from gui.console.link.jobs import Jobs
+from gui.console.link.outcomes import WindowError
 from gui.console.link.own_gestures import OwnGestures, read, write
-from gui.console.state import gestures
-from gui.console.state.actions import NEW, KeepGesture, Play
-from gui.console.state.intents import Intent, SaveGesture, Theme
-from gui.console.state.memory import Memory
-from gui.console.state.own_gestures import DeleteGesture, OpenGesture, RenameGesture
-from gui.console.state.saved import Choices, Saved, SavedPose
+from gui.console.state.actions import KeepGesture
+from gui.console.state.intents import Choose, Intent, SaveGesture
+from gui.console.state.own_gestures import OpenGesture
+from gui.console.state.saved import Saved, SavedPose
+from gui.console.state.sequence import POSES_MAX
 from gui.console.state.state import State
 from gui.console.state.world import OwnGesture
-from gui.console.texts import Texts
-from gui.window.widgets.gestures import GesturesPanel
-from gui.window.widgets.picture_button import EMOJI, PictureButton
+from gui.window.widgets.picture_button import EMOJI
 
 TEXT = "t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,10,0,0,30\n1,0,0,0,\n"
 POSES = (SavedPose("left", 20.0, 20.0, 20.0, 2.0), SavedPose("up", -8.0, 4.0, 4.0, 2.0))
@@ -94,15 +89,15 @@ def test_files_are_written_renamed_and_deleted_and_none_is_lost(folder: Path) ->
             for path in folder.rglob("*.csv")
         }
 
-    assert write(KeepGesture(1, "wink", WINK.text)).accepted
-    assert write(KeepGesture(2, "wink", files.with_emoji(TEXT, "😎"), "wink")).accepted
+    write(KeepGesture(1, "wink", WINK.text))
+    write(KeepGesture(2, "wink", files.with_emoji(TEXT, "😎"), "wink"))
     assert there() == {"wink.csv": "😎", "deleted/wink.csv": "😜"}
-    assert write(KeepGesture(3, "nod", WINK.text, "wink")).accepted
+    write(KeepGesture(3, "nod", WINK.text, "wink"))
     assert there() == {"nod.csv": "😜", "deleted/wink.csv": "😎"}
-    assert write(KeepGesture(4, "", "", "nod")).accepted
+    write(KeepGesture(4, "", "", "nod"))
     assert there() == {"deleted/nod.csv": "😜", "deleted/wink.csv": "😎"}
-    failed = write(KeepGesture(5, "", "", "nod"))
-    assert (failed.accepted, failed.key) == (False, "result.no_write")
+    with pytest.raises(WindowError, match="no_write"):
+        write(KeepGesture(5, "", "", "nod"))
 
 
 def test_a_file_that_another_program_writes_appears_by_itself(folder: Path) -> None:
@@ -131,17 +126,38 @@ def test_a_sequence_becomes_a_gesture_that_ends_at_home_and_opens_again() -> Non
     assert [(step.at, str(step)) for step in steps][2:] == [(4.0, "arms short +0°, middle +0°, long +0°")]
     assert (saved.name, saved.instead, files.emoji_of(saved.text)) == ("wink", "", "😜")
     own = OwnGesture("wink", "😜", saved.text)
+    state.handle(Choose("simple", value=True), world())
     state.handle(OpenGesture("wink"), world(gestures=(own,)))
     assert state.saved.poses[:2] == POSES
+    assert not state.choices.simple, "the simple window shows no sequence"
     again = kept(state, SaveGesture("Wink", "😜"), own)
     assert (again.text, again.instead) == (saved.text, "wink")
 
 
-def test_a_gesture_is_renamed_and_deleted() -> None:
-    renamed = kept(State(), RenameGesture("wink", "nod", "😎"), WINK)
+def test_a_gesture_is_renamed() -> None:
+    renamed = kept(State(), SaveGesture("nod", "😎", old="wink"), WINK)
     assert (renamed.name, renamed.instead, files.emoji_of(renamed.text)) == ("nod", "wink", "😎")
-    deleted = kept(State(), DeleteGesture("wink"), WINK)
-    assert (deleted.name, deleted.instead) == ("", "wink")
+
+
+FAR = "t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,0,89,0,30\n"
+LONG = TEXT.splitlines()[0] + "".join(f"\n{second},1,0,0,30" for second in range(POSES_MAX + 1))
+
+
+@pytest.mark.parametrize(
+    ("own", "english", "german"),
+    [
+        (OwnGesture("far", "", FAR), "lean", "Kopf"),
+        (OwnGesture("long", "", LONG), "has 101 poses", "101"),
+        (BROKEN, "line 3: t_s is empty", "broken.csv"),
+    ],
+)
+def test_a_gesture_that_cannot_be_a_sequence_is_explained(own: OwnGesture, english: str, german: str) -> None:
+    state, now = State(Saved(poses=POSES)), world(gestures=(own,))
+    for code, words in (("en", english), ("de", german)):
+        state.handle(Choose("language", code), now)
+        state.handle(OpenGesture(own.name), now)
+        assert words in refusal_of(state, now)
+    assert state.saved.poses == POSES
 
 
 @pytest.mark.parametrize(
@@ -150,7 +166,7 @@ def test_a_gesture_is_renamed_and_deleted() -> None:
         (SaveGesture("", "😜"), "cannot be a name"),
         (SaveGesture("../x", "😜"), "cannot be a name"),
         (SaveGesture("Happy", "😜"), "a gesture of BEATRIX"),
-        (RenameGesture("wink", "broken", "😜"), "already"),
+        (SaveGesture("broken", "😜", old="wink"), "already"),
     ],
 )
 def test_a_name_that_cannot_be_used_is_refused(intent: Intent, why: str) -> None:
@@ -170,57 +186,3 @@ def test_a_block_may_name_a_gesture_of_the_user(name: str, known: bool) -> None:
     else:
         with pytest.raises(WrongProgram):
             read_blocks(text % quoted)
-
-
-@pytest.fixture
-def panel(qtbot: QtBot) -> tuple[GesturesPanel, list[Intent]]:
-    made, reported = GesturesPanel(Texts("en")), list[Intent]()
-    made.intent.connect(reported.append)
-    qtbot.addWidget(made)
-    made.resize(660, 110)
-    made.show_theme(Theme.LIGHT)
-    made.show_view(gestures.view(Memory(Choices()), world(gestures=(WINK, BROKEN))))
-    made.show()
-    return made, reported
-
-
-def test_a_press_anywhere_in_a_sector_of_the_wheel_plays_its_emotion(
-    panel: tuple[GesturesPanel, list[Intent]],
-) -> None:
-    wheel, reported = panel[0].wheel, panel[1]
-    middle = wheel.area.center().toPoint()
-    for button in wheel.buttons.values():
-        towards = button.geometry().center() - middle
-        QTest.mouseClick(wheel, Qt.MouseButton.LeftButton, pos=middle + towards * 1.2)
-    QTest.mouseClick(wheel, Qt.MouseButton.LeftButton, pos=middle)
-    QTest.mouseClick(wheel, Qt.MouseButton.LeftButton, pos=QPoint(1, 1))
-    assert reported == [Play(NEW, (), gesture=name) for name in EMOTIONS]
-
-
-def test_a_gesture_of_the_user_has_a_button_with_a_menu(panel: tuple[GesturesPanel, list[Intent]]) -> None:
-    made, reported = panel
-    shown = [button for button in made.findChildren(PictureButton) if button.isVisible()]
-    assert len(shown) == len(GESTURES) + 3 + 2, "Follow, Listen and Program, and two of the user; no class"
-    assert "line 3" in made.own["broken"].toolTip()
-    QTest.mouseClick(made.own["wink"], Qt.MouseButton.LeftButton, pos=QPoint(10, 10))
-    edit, rename, delete = present(made.own["wink"].menu()).actions()
-    for entry in (edit, delete, rename):
-        entry.trigger()
-    made.form.name.setText("nod")
-    QTest.mouseClick(made.form.save, Qt.MouseButton.LeftButton)
-    play = Play(NEW, (), gesture="wink")
-    assert reported == [play, OpenGesture("wink"), DeleteGesture("wink"), RenameGesture("wink", "nod", "😜")]
-
-
-def test_a_saved_gesture_gets_the_focus_when_its_file_is_there(
-    panel: tuple[GesturesPanel, list[Intent]],
-) -> None:
-    made, reported = panel
-    made.ask(SaveGesture("", ""))
-    made.form.name.setText("nod")
-    QTest.mouseClick(made.form.group.button(3), Qt.MouseButton.LeftButton)
-    QTest.mouseClick(made.form.save, Qt.MouseButton.LeftButton)
-    assert reported == [SaveGesture("nod", EMOJI[3])]
-    nod = OwnGesture("nod", EMOJI[3], TEXT)
-    made.show_view(gestures.view(Memory(Choices()), world(gestures=(WINK, nod))))
-    assert made.focusWidget() is made.own["nod"]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 from gui_windows import drag
@@ -17,10 +16,9 @@ from gui.console.state.intents import (
     AimHead,
     Choose,
     DeletePose,
+    DuplicatePose,
     Intent,
     MovePose,
-    OpenSequence,
-    SaveSequence,
     SetDuration,
     UndoSequence,
 )
@@ -109,7 +107,7 @@ def test_the_keyboard_selects_moves_uses_and_deletes(
     assert intents() == [DeletePose("left")]
     window.refresh()
     assert strip.cards[strip.currentRow()].name == "far"
-    window.panels.sequence.entries["undo"].trigger()
+    QTest.mouseClick(window.panels.sequence.undo, LEFT)
     assert intents() == [UndoSequence()]
     window.refresh()
     assert names(state) == ["nod", "far", "left"]
@@ -137,22 +135,8 @@ def test_a_duration_is_typed_where_it_is_too_short_and_a_play_does_not_disturb(
     assert "5.5 s" in panel.play.toolTip()
 
 
-def test_loop_and_files_report_their_intents(
-    window: Window, strip: Strip, intents: Taken, tmp_path: Path
-) -> None:
+def test_loop_and_copy_report_their_intents(window: Window, strip: Strip, intents: Taken) -> None:
     panel = window.panels.sequence
     QTest.mouseClick(panel.loop, LEFT, pos=QPoint(8, panel.loop.height() // 2))
-    assert intents() == [Choose("loop", value=True)]
-    dance = tmp_path / "dance.csv"
-    dance.write_text("mine")
-    for entry, file, made in (
-        ("open", dance, OpenSequence(dance, "mine")),
-        ("open", tmp_path / "no.csv", OpenSequence(tmp_path / "no.csv", "", "No such file or directory")),
-        ("save_file", dance, SaveSequence(dance)),
-        ("save_program", tmp_path / "dance.py", SaveSequence(tmp_path / "dance.py", program=True)),
-    ):
-        panel.entries[entry].trigger()
-        assert panel.dialog is not None
-        panel.dialog.fileSelected.emit(str(file))
-        assert intents() == [made]
-        panel.dialog.close()
+    QTest.mouseClick(panel.duplicate, LEFT)
+    assert intents() == [Choose("loop", value=True), DuplicatePose("nod")]

@@ -181,7 +181,7 @@ def test_live_moves_the_simulation_alone_in_one_row_of_the_history(sides: tuple[
     assert state.handle(intents.ReleaseHead(), world()) == []
     (row,) = state.view(world()).history
     assert rows == {row.row}
-    assert "15" in row.python  # repeating it goes to where the drag has ended
+    assert "15" in state.view(world()).code.text  # repeating it goes to where the drag has ended
     for intent in (intents.GrabHead(), intents.AimHead(20.0, 0.0, 0.0)):
         state.handle(intent, world())
     assert sent(state.handle(intents.LiveHead(), world())).row not in rows  # the next drag

@@ -8,9 +8,8 @@ from dataclasses import replace
 import pytest
 from gui_views import TARGET, example
 from gui_windows import drag, menu_button, reveal
-from present import present
 from PyQt5.QtCore import QPoint, QPointF, QRect, Qt
-from PyQt5.QtGui import QColor, QGuiApplication
+from PyQt5.QtGui import QColor
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QAbstractButton, QAbstractSpinBox, QApplication, QSlider, QWidget
 from pytestqt.qtbot import QtBot
@@ -140,19 +139,15 @@ def test_a_slider_and_its_box_report_the_same_intent(window: Window, intents: Ta
         assert intents() == [Choose(name, 12.5)]
 
 
-def test_a_row_of_the_history_is_sent_again_and_copied(window: Window, intents: Taken) -> None:
+def test_a_row_of_the_history_is_sent_again(window: Window, intents: Taken) -> None:
     history = window.panels.history
     assert not history.repeat.isEnabled()
-    assert history.details.text() == "Select a request to send it again or to copy it."
+    assert history.details.text() == "Select a request to send it again."
     history.list.setFocus()
     history.list.setCurrentRow(1)
     row = example("preview", Theme.LIGHT, "en").history[1]
     QTest.mouseClick(history.repeat, LEFT)
     assert intents() == [Repeat(row.row)]
-    clipboard = present(QGuiApplication.clipboard())
-    assert row.python
-    QTest.mouseClick(history.python, LEFT)
-    assert clipboard.text() == row.python
 
 
 DRAGS = {"nose down": (0, 1), "nose up": (0, -1), "right ear down": (1, 0), "left ear down": (-1, 0)}

@@ -1,4 +1,4 @@
-"""The file dialog of choreographies never blocks clicks on STOP."""
+"""File dialogs never block clicks on STOP."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QFileDialog, QLineEdit
 from pytestqt.qtbot import QtBot
 
-from gui.console.state.intents import AddPose, Intent, SaveSequence, Stop
+from gui.console.state.actions import WriteFile
+from gui.console.state.intents import Intent, Stop
 from gui.window.widgets.files import FileDialog
 from gui.window.window import Window
 
@@ -21,17 +22,16 @@ Taken = Callable[[], list[Intent]]
 
 
 @pytest.fixture(autouse=True)
-def _poses(window: Window, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Save a pose, and create a file and a folder in the working folder."""
+def _files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Create a file and a folder in the working folder."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "dance.csv").write_text("mine")
     (tmp_path / "inner").mkdir()
-    window.handle(AddPose("nod"))
 
 
-def opened(qtbot: QtBot, window: Window, entry: str) -> FileDialog:
-    window.panels.sequence.entries[entry].trigger()
-    dialog = present(window.panels.sequence.dialog)
+def opened(qtbot: QtBot, window: Window) -> FileDialog:
+    window.panels.plots.csv.click()
+    dialog = present(window.panels.plots.dialog)
     qtbot.waitUntil(lambda: QApplication.activeWindow() is dialog)  # keys go to the active window
     return dialog
 
@@ -48,7 +48,7 @@ def enter(dialog: FileDialog, name: str) -> None:
 def test_a_file_that_exists_is_not_written_at_the_first_press(
     qtbot: QtBot, window: Window, intents: Taken, tmp_path: Path
 ) -> None:
-    dialog = opened(qtbot, window, "save_file")
+    dialog = opened(qtbot, window)
     intents()
     assert dialog.selectedFiles() == [str(tmp_path / "beatrix.csv")], "Save works at once"
     enter(dialog, "dance")
@@ -63,4 +63,6 @@ def test_a_file_that_exists_is_not_written_at_the_first_press(
     assert dialog.directory().dirName() == "inner"
     assert not dialog.notice.isVisible()
     enter(dialog, "dance")
-    assert intents() == [SaveSequence(tmp_path / "inner" / "dance.csv")]
+    (write,) = intents()
+    assert isinstance(write, WriteFile)
+    assert write.file == tmp_path / "inner" / "dance.csv"

@@ -106,8 +106,8 @@ def test_stop_works_while_a_list_a_menu_or_a_dialog_is_open(
         press(key)
         assert intents() == [Stop()]
         assert QApplication.activePopupWidget() is None
-    window.panels.sequence.entries["open"].trigger()
-    dialog = present(window.panels.sequence.dialog)
+    window.panels.plots.csv.click()
+    dialog = present(window.panels.plots.dialog)
     qtbot.waitUntil(lambda: QApplication.activeWindow() is dialog)
     press(key)
     assert intents() == [Stop()]

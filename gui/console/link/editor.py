@@ -9,11 +9,13 @@ from typing import Final
 
 from beatrix_zenoh import files
 from beatrix_zenoh.contract.errors import WrongUsage
-from gui.console.state.actions import EXAMPLES, LARGEST_BYTES, OpenProgram, WriteProgram
+from gui.console.state.actions import EXAMPLES, OpenProgram, WriteProgram
 from gui.console.state.world import CodeProgress, Trouble
 
 LOOK_S: Final = 0.5
 """Period of looking whether another program has changed the file."""
+LARGEST_BYTES: Final = 1 << 19
+"""Largest size of a program to open."""
 
 
 class Editor:

@@ -39,28 +39,20 @@ class OwnGestures:
 
     def keep(self, action: KeepGesture) -> None:
         """Write or delete a gesture; returns at once."""
-        self._jobs.put("gestures", lambda: self._keep(action))
-
-    def _keep(self, action: KeepGesture) -> None:
-        outcome = write(action)
-        self._read()
-        self._report(outcome)
+        self._jobs.put("gestures", lambda: self._carry_out(action.row, lambda: write(action)))
+        self._due_s = 0.0
 
     def exchange(self, action: ShareGesture | FetchGestures, session: Session) -> None:
         """Give a gesture to the class, or get those of the class; returns at once."""
-        self._jobs.put("sharing", lambda: self._exchange(action, session))
+        self._jobs.put("sharing", lambda: self._carry_out(action.row, lambda: exchange(action, session)))
 
-    def _exchange(self, action: ShareGesture | FetchGestures, session: Session) -> None:
+    def _carry_out(self, row: int, do: Callable[[], None]) -> None:
         try:
-            if isinstance(action, ShareGesture):
-                gesture = read(own_gestures.folder() / f"{action.name}.csv")
-                share(session.client, gesture.name, gesture.text)
-            else:
-                fetch(session)
+            do()
         except BeatrixError as error:
-            self._report(failed(action.row, "", error))
+            self._report(failed(row, "", error))
         else:
-            self._report(done(action.row, "", "Done."))
+            self._report(done(row, "", "Done."))
 
     def _read(self) -> None:
         paths = sorted(own_gestures.folder().glob("*.csv"), key=lambda path: path.name.casefold())
@@ -83,33 +75,37 @@ def read(path: Path) -> OwnGesture:
     return OwnGesture(name, own_gestures.emoji_of(text), text, wrong)
 
 
-def write(action: KeepGesture) -> Outcome:
-    """Write or delete a gesture, and return the outcome."""
+def write(action: KeepGesture) -> None:
+    """Write or delete a gesture; raises WindowError."""
     folder = own_gestures.folder()
     file, old = folder / f"{action.name}.csv", folder / f"{action.instead}.csv"
     try:
         (folder / DELETED if action.instead else folder).mkdir(parents=True, exist_ok=True)
         if not action.name:
             old.replace(folder / DELETED / old.name)
-            return done(action.row, "", f"{old}: deleted.")
+            return
         with files.replace_when_complete(file) as unfinished:
             unfinished.write_text(action.text, encoding="utf-8", newline="\n")
             if action.instead and old.exists():
                 old.replace(folder / DELETED / old.name)
-    except OSError:
+    except OSError as error:
         where = str(file if action.name else old)
-        return failed(action.row, "", WindowError(Reason.BAD_VALUE, "result.no_write", file=where))
-    return done(action.row, "", f"{file}: written.")
+        raise WindowError(Reason.BAD_VALUE, "result.no_write", file=where) from error
 
 
-def fetch(session: Session) -> None:
-    """Write the gestures of the class; one of the user that differs goes to the deleted ones. Raises WindowError."""
+def exchange(action: ShareGesture | FetchGestures, session: Session) -> None:
+    """Give a gesture to the class, or write those of the class; one of the user that differs goes to the deleted ones.
+
+    Raises:
+        BeatrixError: the class has none, a file cannot be written, or as `share` and `shared`.
+    """
+    if isinstance(action, ShareGesture):
+        share(session.client, action.name, read(own_gestures.folder() / f"{action.name}.csv").text)
+        return
     found = shared(session.client)
     if not found:
         raise WindowError(Reason.BAD_VALUE, "result.none_shared")
     for name, text in found.items():
         own = own_gestures.file_of(name)
         if own is None or read(own).text != text:
-            outcome = write(KeepGesture(NEW, name, text, "" if own is None else name))
-            if not outcome.accepted:
-                raise WindowError(outcome.reason, outcome.key, None, **outcome.slots)
+            write(KeepGesture(NEW, name, text, "" if own is None else name))

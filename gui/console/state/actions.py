@@ -125,8 +125,6 @@ class Abort(Action, frozen=True):
 
 POSES = "poses"
 """The name of a play of poses."""
-LARGEST_BYTES = 1 << 19
-"""Largest size of a choreography to open (bytes)."""
 
 
 class Play(Action, frozen=True):

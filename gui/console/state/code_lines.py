@@ -5,12 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from beatrix_zenoh.client.choreography import ArmPose
 from beatrix_zenoh.client.degrees import arm_angles
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction, MotionQuery, PoseQuery
 from beatrix_zenoh.contract.names import SIDES
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
-from gui.console.state.actions import POSES, AskLease, MakeReady, Play, Send, SendCommand, SendStop
+from gui.console.state.actions import POSES, AskLease, MakeReady, Play, Send, SendCommand
 from gui.console.state.memory import Request, sides_of
 from gui.console.state.world import World
 
@@ -33,14 +32,14 @@ def program(lines: Sequence[str], world: World, title: str) -> str:
     return "\n".join((*head, *(f"    {line}" for line in body), ""))
 
 
-def python(request: Request, variable: str = "twin", *, once: bool = False) -> str:
-    """Return Python that sends the request, one line; for a play of poses, one for each. Empty if there is none.
+def python(request: Request) -> str:
+    """Return Python that sends the request with `twin`, one line; for a play of poses, one for each, and played once.
 
-    `variable` is `twin` for a `Twin`, or `robot` for a `Robot`; `once`: a play that repeats is played once.
+    Empty if there is none.
     """
     sides = sides_of(request) or SIDES
     both = len(sides) > 1
-    robot = f"{variable}.{sides[0]}" if variable == "twin" and not both else variable
+    robot = "twin" if both else f"twin.{sides[0]}"
     text = ""
     match request:
         case Send(query=query, lead_s=lead_s):
@@ -50,36 +49,26 @@ def python(request: Request, variable: str = "twin", *, once: bool = False) -> s
             text = f"{robot}.{verb}()"
         case MakeReady():
             text = f"{robot}.make_ready()"
-        case SendStop(everywhere=False, emergency=False):
-            text = f"{robot}.stop()"
         case AskLease(action=LeaseAction.TAKE):
             text = f"{robot}.lease()"
         case AskLease(action=LeaseAction.WAIT):
             text = f"{robot}.lease(wait_s=60)"
         case Play():
-            text = _play_python(request, robot, both=both, once=once)
+            text = _play_python(request, robot, both=both)
     return text
 
 
-def _play_python(request: Play, robot: str, *, both: bool, once: bool) -> str:
+def _play_python(request: Play, robot: str, *, both: bool) -> str:
     """Return the lines of a play, which contain the time of each pose, so that pauses are repeated as well."""
     lead = f", lead_s={_number(request.lead_s)}" if request.lead_s and both else ""
     if request.gesture:
         return f"play({robot}, load({request.gesture!r}){lead})"
-    lines = _poses_python(request.poses, robot, lead)
-    if request.again and not once:
-        again = _poses_python(request.again, robot, lead)
-        lines += ["while True:  # until Ctrl-C", *(f"    {line}" for line in again)]
-    return "\n".join(lines)
-
-
-def _poses_python(poses: Sequence[ArmPose], robot: str, lead: str) -> list[str]:
     steps = [
         f'    ("{POSES}", ArmPose({", ".join(map(_number, (pose.at, pose.short, pose.middle, pose.long, pose.speed)))})),'
-        for pose in poses
+        for pose in request.poses
     ]
     words = "at, short, middle, long, speed"
-    return [f"play({robot}, Choreography([  # {words}", *steps, f"]){lead})"]
+    return "\n".join([f"play({robot}, Choreography([  # {words}", *steps, f"]){lead})"])
 
 
 def _motion_python(query: MotionQuery | PoseQuery, robot: str, lead_s: float, *, both: bool) -> str:

@@ -89,7 +89,6 @@ def row_view(row: RequestRow, code: str) -> HistoryRowView:
         symbol="–" if on_purpose else SYMBOLS[good],
         good=good,
         on_purpose=on_purpose,
-        python=code_lines.python(row.request),
     )
 
 
@@ -303,7 +302,7 @@ def _lines(row: RequestRow, texts: Texts) -> list[str]:
     A play that repeats always ends early, so its lines play it once.
     """
     request = row.request
-    calls = [] if isinstance(request, SendStop) else code_lines.python(request, once=True).splitlines()
+    calls = code_lines.python(request).splitlines()
     if not calls and not isinstance(request, SendStop):
         return []  # it is no request to the robot of the window, or has no line of Python
     text, good = result(row, texts)

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from pathlib import Path
 from typing import Annotated
 
 import msgspec
@@ -222,24 +221,10 @@ class RunBlocks(Intent, frozen=True):
     """what Blockly has saved, as JSON"""
 
 
-class SaveSequence(Intent, frozen=True):
-    """Write the sequence as a choreography, or as a program."""
-
-    file: Path
-    program: bool = False
-
-
 class SaveGesture(Intent, frozen=True):
-    """Save the sequence as a gesture; one of the same name is replaced."""
+    """Save the sequence as a gesture, which replaces one of the same name; or rename a gesture."""
 
     name: str
     emoji: str
-
-
-class OpenSequence(Intent, frozen=True):
-    """Replace the sequence by the choreography in a file."""
-
-    file: Path
-    text: str
-    trouble: str = ""
-    """why the file cannot be read; empty: `text` is its content"""
+    old: str = ""
+    """the gesture to rename; empty: the sequence is saved"""

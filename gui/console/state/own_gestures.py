@@ -12,7 +12,7 @@ from beatrix_zenoh.client.degrees import ArmAngles
 from gui.console.state import sequence
 from gui.console.state import sequence_timing as timing
 from gui.console.state.actions import NEW, Action, FetchGestures, KeepGesture, Play, ShareGesture
-from gui.console.state.intents import Intent, OpenSequence, SaveGesture
+from gui.console.state.intents import Intent, SaveGesture
 from gui.console.state.memory import Handles, Memory, begin
 from gui.console.state.refusals import wrong_file
 from gui.console.state.saved import SavedPose
@@ -27,22 +27,8 @@ TAKEN: Final = {"demo", *GESTURES}
 """Names of shipped choreographies, which `beatrix play` finds first."""
 
 
-class RenameGesture(Intent, frozen=True):
-    """Give a gesture another name and emoji."""
-
-    old: str
-    name: str
-    emoji: str
-
-
 class OpenGesture(Intent, frozen=True):
     """Replace the sequence by a gesture."""
-
-    name: str
-
-
-class DeleteGesture(Intent, frozen=True):
-    """Move the file of a gesture to the folder of deleted ones."""
 
     name: str
 
@@ -64,8 +50,8 @@ def _view(gesture: OwnGesture, off: str, world: World, texts: Texts) -> OwnGestu
     menu = (
         *share,
         button(texts, "gesture.edit", OpenGesture(name)),
-        button(texts, "gesture.rename", RenameGesture(name, name, emoji)),
-        button(texts, "gesture.delete", DeleteGesture(name)),
+        button(texts, "gesture.rename", SaveGesture(name, emoji, old=name)),
+        button(texts, "gesture.delete", KeepGesture(NEW, "", "", name)),
     )
     key, slots = ("gesture.own_tip", {"file": file})
     if gesture.wrong is not None:
@@ -75,16 +61,16 @@ def _view(gesture: OwnGesture, off: str, world: World, texts: Texts) -> OwnGestu
     return OwnGestureView(name, emoji, play, menu)
 
 
-def _wrong_name(memory: Memory, world: World, name: str, old: str = "") -> bool:
+def _wrong_name(memory: Memory, world: World, name: str, old: str) -> bool:
     """Return whether the gesture `old` (empty: a new one) cannot get a name; if so, show why."""
-    key, names = "", {gesture.name.casefold() for gesture in world.gestures}
+    key, others = "", {gesture.name.casefold() for gesture in world.gestures} - {old.casefold()}
     if not files.possible(name):
         key = "cannot.gesture_name"
     elif name.casefold() in TAKEN:
         key = "cannot.gesture_taken"
-    elif old and name.casefold() in names - {old.casefold()}:
+    elif old and name.casefold() in others:
         key = "cannot.gesture_exists"
-    elif not old and name.casefold() not in names and len(names) >= files.MOST:
+    elif not old and len({*others, name.casefold()}) > files.MOST:
         key = "cannot.gesture_many"
     if key:
         memory.refuse(CONTROL, key, name=name, most=str(files.MOST), shipped=", ".join(sorted(TAKEN)))
@@ -92,57 +78,56 @@ def _wrong_name(memory: Memory, world: World, name: str, old: str = "") -> bool:
 
 
 def _save(memory: Memory, world: World, intent: SaveGesture) -> list[Action]:
-    """Return the action that saves the sequence; a last pose turns the head home, where each gesture ends."""
-    name, limits = intent.name.strip(), timing.limits_of(world)
-    if not memory.poses or _wrong_name(memory, world, name):
-        return memory.refuse(CONTROL, sequence.NONE) if not memory.poses else []
+    name, old = intent.name.strip(), _find(world, intent.old or intent.name.strip())
+    if _wrong_name(memory, world, name, intent.old):
+        return []
+    text = (old.text if old else "") if intent.old else _sequence(memory, world)
+    if not text:
+        return []
+    text = files.with_emoji(text, intent.emoji)
+    return begin(memory, world, KeepGesture(NEW, name, text, old.name if old else ""), CONTROL)
+
+
+def _sequence(memory: Memory, world: World) -> str:
+    """Return the sequence as a file that ends at home, as each gesture does; empty after a refusal."""
+    limits = timing.limits_of(world)
+    if not memory.poses:
+        memory.refuse(CONTROL, sequence.NONE)
+        return ""
+    if sequence.refuse_short(memory, timing.HOME, limits, loop=False):
+        return ""
     poses, last = memory.poses, ArmAngles(*memory.poses[-1].arms)
     home = SavedPose(memory.choices.texts("gesture.home"), *timing.HOME)
     if timing.way(last, home) >= timing.SAME_DEG:
         home_s = timing.comfortable(last, home, memory.choices.speed, limits)
         poses = (*poses, structs.replace(home, duration_s=home_s))
-    if sequence.refuse_short(memory, timing.HOME, limits, loop=False):
-        return []
-    text = files.with_emoji(sequence.choreography_of(poses, limits), intent.emoji)
-    same = (gesture.name for gesture in world.gestures if gesture.name.casefold() == name.casefold())
-    return begin(memory, world, KeepGesture(NEW, name, text, next(same, "")), CONTROL)
+    return sequence.choreography_of(poses, limits)
 
 
 def _find(world: World, name: str) -> OwnGesture | None:
-    return next((gesture for gesture in world.gestures if gesture.name == name), None)
-
-
-def _rename(memory: Memory, world: World, intent: RenameGesture) -> list[Action]:
-    gesture, name = _find(world, intent.old), intent.name.strip()
-    if gesture is None or _wrong_name(memory, world, name, intent.old):
-        return []
-    text = files.with_emoji(gesture.text, intent.emoji)
-    return begin(memory, world, KeepGesture(NEW, name, text, gesture.name), CONTROL)
+    named = (gesture for gesture in world.gestures if gesture.name.casefold() == name.casefold())
+    return next(named, None)
 
 
 def _open(memory: Memory, world: World, intent: OpenGesture) -> list[Action]:
     gesture = _find(world, intent.name)
     if gesture is None:
         return []
-    return sequence.replace_by(
-        memory, world, OpenSequence(files.folder() / f"{gesture.name}.csv", gesture.text)
-    )
+    memory.choices = structs.replace(memory.choices, simple=False)  # the simple window shows no sequence
+    if gesture.wrong is not None:
+        key, slots = wrong_file(gesture.wrong, f"{gesture.name}.csv")
+        return memory.refuse(sequence.CONTROL, key, **slots)
+    return sequence.open_file(memory, world, gesture.text)
 
 
-def _delete(memory: Memory, world: World, intent: DeleteGesture) -> list[Action]:
-    if _find(world, intent.name) is None:
-        return []
-    return begin(memory, world, KeepGesture(NEW, "", "", intent.name), CONTROL)
-
-
-def _request(memory: Memory, world: World, intent: ShareGesture | FetchGestures) -> list[Action]:
+def _request(
+    memory: Memory, world: World, intent: KeepGesture | ShareGesture | FetchGestures
+) -> list[Action]:
     return begin(memory, world, intent, CONTROL)
 
 
 HANDLES: Handles = {
-    **dict.fromkeys((ShareGesture, FetchGestures), _request),
+    **dict.fromkeys((KeepGesture, ShareGesture, FetchGestures), _request),
     SaveGesture: _save,
-    RenameGesture: _rename,
     OpenGesture: _open,
-    DeleteGesture: _delete,
 }

@@ -13,10 +13,10 @@ from beatrix_zenoh.client.degrees import ArmAngles, HeadAngles
 from beatrix_zenoh.client.motion_file import ARMS, FIGURE, SPEED, TIME
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import LimitsData
-from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage
-from gui.console.state import code_lines, intents
+from beatrix_zenoh.contract.errors import BeatrixError, Refused
+from gui.console.state import intents
 from gui.console.state import sequence_timing as timing
-from gui.console.state.actions import NEW, Action, Outcome, Play, WriteFile
+from gui.console.state.actions import NEW, Action, Outcome, Play
 from gui.console.state.intents import (
     DuplicatePose,
     HeadOrientation,
@@ -27,7 +27,6 @@ from gui.console.state.intents import (
     SetDuration,
 )
 from gui.console.state.memory import Handles, Memory, RequestRow, begin, unreachable
-from gui.console.state.refusals import wrong_file
 from gui.console.state.saved import DURATION_MAX_S, SavedPose
 from gui.console.state.views import CardView, SequenceView, button
 from gui.console.state.world import World, commanded, online
@@ -237,17 +236,6 @@ def note(memory: Memory, row: RequestRow, outcome: Outcome) -> None:
 # -- files ------------------------------------------------------------------------------------------
 
 
-def _save(memory: Memory, world: World, intent: intents.SaveSequence) -> list[Action]:
-    """Return the action that writes the sequence; in files it begins at home."""
-    if not memory.poses:
-        return memory.refuse(CONTROL, NONE)
-    limits, loop = timing.limits_of(world), intent.program and memory.choices.loop
-    if refuse_short(memory, timing.HOME, limits, loop=loop):
-        return []
-    text = program_of(memory, world, limits) if intent.program else choreography_of(memory.poses, limits)
-    return begin(memory, world, WriteFile(NEW, intent.file, text), CONTROL)
-
-
 def choreography_of(poses: tuple[SavedPose, ...], limits: LimitsData) -> str:
     """Return poses as a choreography (CSV) that begins at home."""
     lines = [",".join((TIME, *ARMS, SPEED, FIGURE))]
@@ -258,36 +246,14 @@ def choreography_of(poses: tuple[SavedPose, ...], limits: LimitsData) -> str:
     return "\n".join(lines) + "\n"
 
 
-def program_of(memory: Memory, world: World, limits: LimitsData) -> str:
-    """Return the sequence as a program for the simulation that begins at home."""
-    texts, poses = memory.choices.texts, memory.poses
-    play = _play(poses, "sim", timing.HOME, limits, loop=memory.choices.loop)
-    lines = [
-        f"robot = twin.sim  # {texts('sequence.program_side')}",
-        f"robot.make_ready()  # {texts('sequence.program_ready')}",
-        "robot.home()",
-        *code_lines.python(play, "robot").splitlines(),
-    ]
-    title = texts("sequence.program_title", count=float(len(poses)), robot=world.robot)
-    return code_lines.program(lines, world, title)
-
-
-def replace_by(memory: Memory, world: World, intent: intents.OpenSequence) -> list[Action]:
-    """Replace the strip by a choreography: each pose is reached when the next one begins."""
-    if intent.trouble:
-        return memory.refuse(CONTROL, "cannot.open", file=intent.file.name)
+def open_file(memory: Memory, world: World, text: str) -> list[Action]:
+    """Replace the poses by those of a choreography that can be played: each is reached when the next one begins."""
+    found = choreography(motion_file.parse(text, ""))
+    if len(found.steps) > POSES_MAX:
+        slots = {"count": str(len(found.steps)), "allowed": str(POSES_MAX)}
+        return memory.refuse(CONTROL, "cannot.too_many", **slots)
     try:
-        file = motion_file.parse(intent.text, intent.file.name)
-        if not file.with_speed:
-            return memory.refuse(CONTROL, "cannot.path", file=intent.file.name, speed=motion_file.SPEED)
-        found = choreography(file)
-        if len(found.steps) > POSES_MAX:
-            slots = {"count": str(len(found.steps)), "allowed": str(POSES_MAX)}
-            return memory.refuse(CONTROL, "cannot.too_many", **slots)
         poses = _read(found.steps, timing.limits_of(world))
-    except WrongUsage as error:
-        key, reason = wrong_file(error, intent.file.name)
-        return memory.refuse(CONTROL, key, **reason)
     except BeatrixError as error:
         return memory.refuse_error(CONTROL, error)
     return change(memory, poses)
@@ -314,6 +280,4 @@ HANDLES: Handles = {
     **dict.fromkeys((MovePose, DuplicatePose, SetDuration, RenamePose, intents.DeletePose), edit),
     intents.UndoSequence: undo,
     intents.PlaySequence: play,
-    intents.SaveSequence: _save,
-    intents.OpenSequence: replace_by,
 }

@@ -225,8 +225,6 @@ class HistoryRowView:
     """whether the request succeeded; None: it has not ended"""
     on_purpose: bool = False
     """whether it did not succeed because the user has replaced or aborted it, which is no error"""
-    python: str = ""
-    """the request as Python, usually one line, where `twin` is a `Twin`; empty: there is none"""
 
 
 @dataclass(frozen=True)
@@ -267,7 +265,7 @@ class OwnGestureView:
     emoji: str
     play: ButtonView
     menu: tuple[ButtonView, ...]
-    """changes; the one with `RenameGesture` asks for name and emoji first"""
+    """changes; the one with `SaveGesture` asks for name and emoji first"""
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from importlib import resources
 from pathlib import Path
 
 from PyQt5.QtWidgets import QFileDialog, QGridLayout, QLineEdit, QWidget
@@ -11,8 +10,6 @@ from PyQt5.QtWidgets import QFileDialog, QGridLayout, QLineEdit, QWidget
 from gui.console.state.intents import Intent
 from gui.console.texts import Texts
 from gui.window.widgets.controls import Panel, label
-
-SHIPPED = resources.files("beatrix_zenoh") / "choreographies"
 
 
 class FileDialog(QFileDialog):
@@ -24,13 +21,10 @@ class FileDialog(QFileDialog):
         parent: QWidget,
         title: str,
         mode: QFileDialog.AcceptMode,
-        suffix: str = "csv",
-        files: str = "",
+        suffix: str,
     ) -> None:
-        """Create a hidden dialog for files with this suffix; `files` names their kind, by default the suffix."""
-        choreographies = mode == QFileDialog.AcceptMode.AcceptOpen and suffix == "csv"
-        folder = str(SHIPPED) if choreographies else "."
-        super().__init__(parent, title, folder, texts(f"label.{files or suffix}_files"))
+        """Create a hidden dialog for files with this suffix."""
+        super().__init__(parent, title, ".", texts(f"label.{suffix}_files"))
         self._texts = texts
         self.setOption(QFileDialog.Option.DontUseNativeDialog)
         self.setOption(QFileDialog.Option.DontConfirmOverwrite)
@@ -93,7 +87,6 @@ class FilePanel(Panel):
         mode: QFileDialog.AcceptMode,
         suffix: str,
         made: Callable[[Path], Intent],
-        files: str = "",
         folder: Path = Path(),
     ) -> None:
         """Open a file dialog, and report the intent made of its file.
@@ -102,7 +95,7 @@ class FilePanel(Panel):
         """
         if self.dialog is not None:
             self.dialog.deleteLater()
-        self.dialog = FileDialog(self._texts, self, title, mode, suffix, files)
+        self.dialog = FileDialog(self._texts, self, title, mode, suffix)
         if folder != Path():
             self.dialog.setDirectory(str(folder))
         self.dialog.fileSelected.connect(lambda file: self.intent.emit(made(Path(file))))

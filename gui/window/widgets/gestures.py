@@ -21,7 +21,7 @@ from PyQt5.QtWidgets import (
 from beatrix_zenoh.client.choreography import EMOTIONS, GESTURES
 from gui.console.state.actions import FOLLOW, TURN
 from gui.console.state.intents import SaveGesture, Theme
-from gui.console.state.own_gestures import OpenGesture, RenameGesture
+from gui.console.state.own_gestures import OpenGesture
 from gui.console.state.views import ButtonView, GesturesView, OwnGestureView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
@@ -50,7 +50,7 @@ class GesturesPanel(Panel):
         super().__init__()
         self._theme, self._in_class = Theme.DARK, False
         self._own: tuple[OwnGestureView, ...] = ()
-        self._asked: SaveGesture | RenameGesture = SaveGesture("", "")
+        self._asked = SaveGesture("", "")
         """what the form is about"""
         self.setAccessibleName(texts("label.gestures"))
         self.wheel = EmotionWheel(texts("gesture.emotions"))
@@ -161,7 +161,7 @@ class GesturesPanel(Panel):
                 button.setFocus()
 
     def _change(self, gesture: OwnGestureView, entry: ButtonView) -> None:
-        if isinstance(entry.intent, RenameGesture):
+        if isinstance(entry.intent, SaveGesture):
             self.ask(entry.intent)
             return
         self.intent.emit(entry.intent)
@@ -169,13 +169,13 @@ class GesturesPanel(Panel):
             self._asked = SaveGesture(gesture.name, gesture.emoji)
             self.shown.emit(False)  # noqa: FBT003
 
-    def ask(self, intent: SaveGesture | RenameGesture) -> None:
-        """Ask for the name and the emoji of a gesture to save or to rename."""
-        if isinstance(intent, RenameGesture) or not isinstance(self._asked, SaveGesture):
+    def ask(self, intent: SaveGesture) -> None:
+        """Ask for the name and the emoji of a gesture to save or to rename; begin with those of one that was opened."""
+        if intent.old or self._asked.old:
             self._asked = intent
         self._stack.setCurrentIndex(1)
-        names = [gesture.name for gesture in self._own] if isinstance(self._asked, SaveGesture) else []
         self.shown.emit(True)  # noqa: FBT003
+        names = [] if self._asked.old else [gesture.name for gesture in self._own]
         self.form.ask(self._asked.name, self._asked.emoji, names)
 
     def _give(self, name: str, emoji: str) -> None:

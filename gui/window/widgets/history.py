@@ -1,9 +1,9 @@
-"""Requests of this window and of other seats, to send again or to copy as Python."""
+"""Requests of this window and of other seats, to send again."""
 
 from __future__ import annotations
 
 from PyQt5.QtCore import QSignalBlocker, Qt
-from PyQt5.QtGui import QColor, QGuiApplication
+from PyQt5.QtGui import QColor
 from PyQt5.QtWidgets import QListWidget, QListWidgetItem, QSizePolicy, QWidget
 
 from gui.console.state.intents import Repeat, Theme
@@ -37,13 +37,11 @@ class HistoryPanel(Panel):
         """time, seat and result of the selected row"""
         self.details.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.repeat = plain_button(texts("label.repeat"), texts("tip.repeat"))
-        self.python = plain_button(texts("label.copy_python"), texts("tip.copy_python"))
         self.uses = QWidget()
         """what can be done with the selected row"""
-        in_column(self.details, self.repeat, self.python, gap=4, margins=NO_MARGINS, inside=self.uses)
+        in_column(self.details, self.repeat, gap=4, margins=NO_MARGINS, inside=self.uses)
         in_column(self.empty, (self.list, 1), self.uses, gap=4, margins=(6, 6, 6, 6), inside=self)
         self.repeat.clicked.connect(self._repeat)
-        self.python.clicked.connect(self._copy)
         self.list.currentRowChanged.connect(self._show_buttons)
         self.list.itemActivated.connect(self._repeat)
         self._fill()
@@ -76,7 +74,7 @@ class HistoryPanel(Panel):
         item = QListWidgetItem(f"{row.symbol} {who}{row.what}")
         colours = {True: self._style.text, False: self._style.bad, None: self._style.dim}
         item.setForeground(QColor(colours[None if row.on_purpose else row.good]))
-        item.setToolTip("\n".join(line for line in (_details(row), row.python) if line))
+        item.setToolTip(_details(row))
         return item
 
     def _chosen(self) -> HistoryRowView | None:
@@ -88,24 +86,11 @@ class HistoryPanel(Panel):
         self.details.setText(self._hint if chosen is None else _details(chosen))
         set_role(self.details, "role", "dim" if chosen is None else "")
         self.repeat.setEnabled(chosen is not None and chosen.row >= 0)
-        self.python.setEnabled(chosen is not None and bool(chosen.python))
 
     def _repeat(self) -> None:
         chosen = self._chosen()
         if chosen is not None and chosen.row >= 0:
             self.intent.emit(Repeat(chosen.row))
-
-    def _copy(self) -> None:
-        chosen = self._chosen()
-        if chosen is not None:
-            copy(chosen.python)
-
-
-def copy(text: str) -> None:
-    """Put a text into the clipboard."""
-    clipboard = QGuiApplication.clipboard()
-    if clipboard is not None:
-        clipboard.setText(text)
 
 
 def _details(row: HistoryRowView) -> str:

@@ -60,7 +60,7 @@ class PictureButton(QToolButton):
         ratio = self.devicePixelRatioF()
         if self._sign is None:
             return drawn(self._picture, side, ratio, colours)
-        return emoji(self._sign, self._picture, side, ratio, colours)
+        return emoji(self._sign, self._picture, side, ratio, colours[0])
 
 
 def drawn(name: str, side: int, ratio: float, colours: tuple[str, str, str]) -> QPixmap:
@@ -73,22 +73,21 @@ def drawn(name: str, side: int, ratio: float, colours: tuple[str, str, str]) -> 
     return QPixmap.fromImage(image)
 
 
-def emoji(text: str, name: str, side: int, ratio: float, colours: tuple[str, str, str]) -> QPixmap:
-    """Return an emoji as `drawn` does; if no font has it, or it is empty, the first letter of the name in a circle."""
-    line, face, mark = colours
+def emoji_font(height: int) -> QFont:
+    """Return the font of this height (px) that has the emoji, in colour if there is one."""
     font = QFont()
     font.setFamilies([*COLOUR_FONTS, font.family()])
-    font.setPixelSize(round(side * 0.8))
+    font.setPixelSize(height)
+    return font
+
+
+def emoji(text: str, name: str, side: int, ratio: float, colour: str) -> QPixmap:
+    """Return an emoji as `drawn` does; the first letter of the name if it is empty, or the font lacks it."""
+    font = emoji_font(round(side * 0.8))
     if not text or not all(QFontMetrics(font).inFontUcs4(ord(sign)) for sign in text):
         text = name[:1].upper()
-        font = QFont()
-        font.setPixelSize(round(side * 0.5))
     with painted(side, side, ratio) as (image, painter):
-        if text.isalnum():
-            painter.setPen(QColor(mark))
-            painter.setBrush(QColor(face))
-            painter.drawEllipse(QRectF(1, 1, side - 2, side - 2))
-        painter.setPen(QColor(line))
+        painter.setPen(QColor(colour))
         painter.setFont(font)
         painter.drawText(QRectF(0, 0, side, side), int(Qt.AlignmentFlag.AlignCenter), text)
     return QPixmap.fromImage(image)

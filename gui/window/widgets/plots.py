@@ -310,7 +310,7 @@ class PlotsPanel(FilePanel):
         """Let the user choose the file; the content is that of the moment of the press."""
         title, suffix = self._texts(f"tip.{kind}"), kind.removeprefix("plot_")
         save = QFileDialog.AcceptMode.AcceptSave
-        self.choose_file(title, save, suffix, lambda file: WriteFile(NEW, file, content), files=kind)
+        self.choose_file(title, save, suffix, lambda file: WriteFile(NEW, file, content))
 
     # -- appearance ---------------------------------------------------------------------------------
 

@@ -1,51 +1,38 @@
-"""The sequence editor: the strip of poses with its buttons, and the dialogs for its files."""
+"""The sequence editor: the strip of poses with its buttons."""
 
 from __future__ import annotations
-
-from collections.abc import Callable
-from pathlib import Path
 
 from PyQt5.QtCore import QPoint, QRect, QSignalBlocker, QSize, Qt, pyqtSignal
 from PyQt5.QtGui import QColor, QIcon, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QPixmap
 from PyQt5.QtWidgets import (
-    QAction,
     QApplication,
-    QFileDialog,
     QGridLayout,
     QLineEdit,
     QListWidget,
     QListWidgetItem,
-    QMenu,
     QSizePolicy,
-    QWidget,
 )
 
-from beatrix_zenoh import files
-from beatrix_zenoh.contract.errors import WrongUsage
 from gui.console.state import intents
-from gui.console.state.actions import LARGEST_BYTES
-from gui.console.state.intents import HeadOrientation, Intent, Theme
+from gui.console.state.intents import HeadOrientation, Theme
 from gui.console.state.saved import DURATION_MAX_S
 from gui.console.state.views import CardView, SequenceView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
 from gui.window.widgets.controls import (
-    NO_MARGINS,
     ChoiceCheck,
     IntentButton,
+    Panel,
     in_row,
     named,
     plain_button,
     spaced,
 )
-from gui.window.widgets.files import FilePanel
 from gui.window.widgets.head3d_paint import portrait
 from gui.window.widgets.number_box import NumberBox
 
 NAME_LONGEST = 24
 NAME_PX = 90
-
-
 WIDTH_PX, HEIGHT_PX, PICTURE_PX = 70, 92, 48
 """Size of a card, and side of its picture, at scale 1."""
 
@@ -180,11 +167,11 @@ class Strip(QListWidget):
             painter.drawLine(x, 2, x, self.height() - 2)
 
 
-class SequencePanel(FilePanel):
-    """Poses with durations: to add, order, change, play, open and save."""
+class SequencePanel(Panel):
+    """Poses with durations: to add, order, change and play."""
 
     def __init__(self, texts: Texts) -> None:
-        super().__init__(texts)
+        super().__init__()
         self._view: SequenceView | None = None
         self.strip = Strip(texts("label.sequence"), texts("label.sequence_empty"))
         self.name = named(QLineEdit(), texts("label.pose_name"), texts("tip.pose_name"))
@@ -197,25 +184,23 @@ class SequencePanel(FilePanel):
         self.duration.setSingleStep(0.5)
         self.add, self.play, self.hardware = self.button(), self.button(main=True), self.button()
         self.delete = plain_button("✕", texts("sequence.delete_tip"), texts("sequence.delete"))
-        self.more = plain_button(texts("sequence.more"), texts("sequence.more_tip"))
+        self.duplicate = plain_button("❐", texts("sequence.duplicate"), texts("sequence.duplicate"))
+        self.undo = plain_button("↶", texts("sequence.undo_tip"), texts("sequence.undo"))
         self.loop = ChoiceCheck(texts, "loop")
         self.gesture = IntentButton()
         """its intent goes to the gestures, which ask for name and emoji"""
-        self.entries: dict[str, QAction] = {}
-        """entries of the menu More"""
-        others = QWidget()
-        in_row(self.delete, (self.more, 1), gap=3, margins=NO_MARGINS, inside=others)
-        pairs = (
+        lines = (
             (self.name, self.duration),
             (self.add, self.gesture),
-            (self.loop, others),
+            (self.loop, self.delete, self.duplicate, self.undo),
             (self.play, self.hardware),
         )
         grid = spaced(QGridLayout(), 3)
         grid.setColumnMinimumWidth(0, NAME_PX)
-        for line, (left, right) in enumerate(pairs):
+        for line, (left, *right) in enumerate(lines):
             grid.addWidget(left, line, 0)
-            grid.addWidget(right, line, 1)
+            for number, part in enumerate(right):
+                grid.addWidget(part, line, 1 + number, 1, 3 // len(right))
         in_row((self.strip, 1), grid, gap=6, margins=(4, 4, 4, 4), inside=self)
         self._connect()
 
@@ -230,26 +215,8 @@ class SequencePanel(FilePanel):
         self.strip.deleted.connect(lambda: self._about(intents.DeletePose))
         self.duration.valueChanged.connect(self._report_duration)
         self.name.editingFinished.connect(self._rename)
-        self._add_entry("duplicate", lambda: self._about(intents.DuplicatePose))
-        self._add_entry("undo", lambda: self.intent.emit(intents.UndoSequence()))
-        opens, saves = QFileDialog.AcceptMode.AcceptOpen, QFileDialog.AcceptMode.AcceptSave
-        self._add_file("open", opens, "csv", _opened)
-        self._add_file("save_file", saves, "csv", intents.SaveSequence)
-        self._add_file("save_program", saves, "py", lambda file: intents.SaveSequence(file, program=True))
-        menu = QMenu(self.more)
-        menu.addActions(self.entries.values())
-        self.more.setMenu(menu)
-
-    def _add_entry(self, name: str, do: Callable[[], None]) -> None:
-        entry = self.entries[name] = QAction(self._texts(f"sequence.{name}"), self)
-        entry.triggered.connect(do)
-
-    def _add_file(
-        self, name: str, mode: QFileDialog.AcceptMode, suffix: str, made: Callable[[Path], Intent]
-    ) -> None:
-        """Add an entry that asks for a file, and reports the intent made of it."""
-        title = self._texts(f"sequence.{name}")
-        self._add_entry(name, lambda: self.choose_file(title, mode, suffix, made))
+        self.duplicate.clicked.connect(lambda: self._about(intents.DuplicatePose))
+        self.undo.clicked.connect(lambda: self.intent.emit(intents.UndoSequence()))
 
     # -- what it shows ------------------------------------------------------------------------------
 
@@ -262,7 +229,7 @@ class SequencePanel(FilePanel):
         self.hardware.show_view(view.hardware)
         self.gesture.show_view(view.gesture)
         self.loop.setEnabled(view.played < 0)
-        self.entries["undo"].setEnabled(view.undo.enabled)
+        self.undo.setEnabled(view.undo.enabled)
         self._show_chosen()
 
     def _selection(self, before: SequenceView | None, view: SequenceView) -> int:
@@ -287,7 +254,7 @@ class SequencePanel(FilePanel):
     def _show_chosen(self) -> None:
         """Show name, duration and problem of the selected pose."""
         card, view = self._chosen(), self._view
-        for part in (self.name, self.duration, self.delete, self.entries["duplicate"]):
+        for part in (self.name, self.duration, self.delete, self.duplicate):
             part.setEnabled(card is not None)
         if view is None:
             return
@@ -321,13 +288,3 @@ class SequencePanel(FilePanel):
         self.name.setModified(False)
         if card is not None and name and name != card.name:
             self.intent.emit(intents.RenamePose(card.name, name))
-
-
-def _opened(file: Path) -> intents.OpenSequence:
-    """Read a choreography; a file that cannot be read is reported in the intent."""
-    try:
-        return intents.OpenSequence(file, files.text(file, LARGEST_BYTES, "CSV"))
-    except OSError as error:
-        return intents.OpenSequence(file, "", error.strerror or str(error))
-    except WrongUsage as error:
-        return intents.OpenSequence(file, "", error.message.removesuffix("."))
