@@ -14,6 +14,7 @@ from beatrix_zenoh.client.shared_gestures import share, shared
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, WrongUsage, wrong_usage
 from gui.console.link.connection import Session
+from gui.console.link.editor import stamp
 from gui.console.link.jobs import Jobs
 from gui.console.link.outcomes import WindowError, done, failed
 from gui.console.state.actions import NEW, FetchGestures, KeepGesture, Outcome, ShareGesture
@@ -32,7 +33,7 @@ class OwnGestures:
         self._jobs, self._report = jobs, report
         self._due_s = 0.0
         """when to look again (monotonic clock, s); infinite while a look is under way"""
-        self._stamps: dict[Path, tuple[int, int]] = {}
+        self._stamps: dict[Path, object] = {}
         self._found: tuple[OwnGesture, ...] = ()
 
     def newest(self, now_s: float) -> tuple[OwnGesture, ...]:
@@ -62,10 +63,9 @@ class OwnGestures:
     def _read(self) -> None:
         try:
             paths = sorted(own_gestures.folder().glob("*.csv"), key=lambda path: path.name.casefold())
-            stats = {path: path.stat() for path in paths[: own_gestures.MOST]}
-            stamps = {path: (stat.st_mtime_ns, stat.st_size) for path, stat in stats.items()}
         except OSError:
-            stamps = {}
+            paths = []
+        stamps = {path: stamp(path) for path in paths[: own_gestures.MOST]}
         if stamps != self._stamps:
             self._stamps, self._found = stamps, tuple(read(path) for path in stamps)
         self._due_s = time.monotonic() + PERIOD_S
