@@ -175,8 +175,7 @@ class GesturesPanel(Panel):
             self._asked = intent
         self._stack.setCurrentIndex(1)
         self.shown.emit(True)  # noqa: FBT003
-        names = [] if self._asked.old else [gesture.name for gesture in self._own]
-        self.form.ask(self._asked.name, self._asked.emoji, names)
+        self.form.ask(self._asked.name, self._asked.emoji, [*self.own])
 
     def _give(self, name: str, emoji: str) -> None:
         self._asked = structs.replace(self._asked, name=name, emoji=emoji)
