@@ -149,14 +149,14 @@ def test_a_gesture_is_renamed() -> None:
 
 
 FAR = "t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,0,89,0,30\n"
-LONG = TEXT.splitlines()[0] + "".join(f"\n{second},1,0,0,30" for second in range(POSES_MAX + 1))
+LONG = TEXT.splitlines()[0] + "".join(f"\n{second},1,0,0,30" for second in range(POSES_MAX + 2))
 
 
 @pytest.mark.parametrize(
     ("own", "english", "german"),
     [
         (OwnGesture("far", "", FAR), "lean", "Kopf"),
-        (OwnGesture("long", "", LONG), "has 101 poses", "101"),
+        (OwnGesture("long", "", LONG), "has 102 poses", "102"),
         (BROKEN, "line 3: t_s is empty", "broken.csv"),
     ],
 )
