@@ -185,7 +185,7 @@ def test_the_dragged_head_is_sent_to_both_robots(user: Windowed, sim: Robot, hw:
     x, y, _ = on_screen(head.screen3d, user.state.view(user.window._world).head.target, SKULL)
     drag(head, QPoint(round(x), round(y)), QPoint(round(x) - 40, round(y) - 15))
     target = present(user.state.choices.target)
-    assert target.yaw > 10  # from behind, left is left
+    assert target.yaw < -10  # it faces the user, so that it looks to its right
     assert target.pitch < -3  # nose up
     user.window.panels.head.pad.setFocus()
     QTest.keyClick(user.window.panels.head.pad, Qt.Key.Key_Return)
