@@ -34,8 +34,6 @@ CLOSE_S = 2.0
 
 SAME_DEG = 0.1
 """Largest distance of two positions that count as equal; a microstep is 0.086 deg."""
-THERE_DEG = 0.2
-"""Largest distance from the end of a path at which a robot stands there already; the path is measured, not commanded."""
 UNLIKE = (
     " Simulation and hardware run with different values: the hardware may move differently, or refuse. "
     "Start both with the same --robot-file."
@@ -116,11 +114,6 @@ class Plan(ProcessBound):
         motion.prepare(*now, self._check_both, measured=self._during is None)
         self._twin.start(motion, wait=waits)
         return motion
-
-    def stands_at_end(self, side: str) -> bool:
-        """Return whether the robot, `sim` or `hw`, stood at the end of the path at the preview, so that it will not move."""
-        was = self._start[side == "hw"]
-        return was is not None and furthest(was.arms, self.path.arms[-1]) <= THERE_DEG
 
     @property
     def motion(self) -> TwinMotion | None:

@@ -90,7 +90,7 @@ def test_files_are_written_renamed_and_deleted_and_none_is_lost(folder: Path) ->
         }
 
     write(KeepGesture(1, "wink", WINK.text))
-    write(KeepGesture(2, "wink", files.with_emoji(TEXT, "😎"), "wink"))
+    write(KeepGesture(2, "wink", files.with_emoji(TEXT, "😎")))
     assert there() == {"wink.csv": "😎", "deleted/wink.csv": "😜"}
     write(KeepGesture(3, "nod", WINK.text, "wink"))
     assert there() == {"nod.csv": "😜", "deleted/wink.csv": "😎"}
@@ -110,6 +110,15 @@ def test_a_file_that_another_program_writes_appears_by_itself(folder: Path) -> N
     finally:
         jobs.close()
         jobs.join(time.monotonic() + 5)
+
+
+def test_a_largest_number_of_gestures_can_be_renamed_and_replaced() -> None:
+    own = [OwnGesture(f"g{number}", "", TEXT) for number in range(files.MOST)]
+    for intent in (SaveGesture("new", "😜", old="g1"), SaveGesture("g1", "😜")):
+        assert kept(State(Saved(poses=POSES)), intent, *own).instead == "g1"
+    state, now = State(Saved(poses=POSES)), world(gestures=tuple(own))
+    assert state.handle(SaveGesture("new", "😜"), now) == []
+    assert "Delete one first" in present(state.view(now).gestures.refusal).text
 
 
 def kept(state: State, intent: Intent, *own: OwnGesture) -> KeepGesture:
@@ -140,14 +149,14 @@ def test_a_gesture_is_renamed() -> None:
 
 
 FAR = "t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,0,89,0,30\n"
-LONG = TEXT.splitlines()[0] + "".join(f"\n{second},1,0,0,30" for second in range(POSES_MAX + 1))
+LONG = TEXT.splitlines()[0] + "".join(f"\n{second},1,0,0,30" for second in range(POSES_MAX + 2))
 
 
 @pytest.mark.parametrize(
     ("own", "english", "german"),
     [
         (OwnGesture("far", "", FAR), "lean", "Kopf"),
-        (OwnGesture("long", "", LONG), "has 101 poses", "101"),
+        (OwnGesture("long", "", LONG), "has 102 poses", "102"),
         (BROKEN, "line 3: t_s is empty", "broken.csv"),
     ],
 )
@@ -166,7 +175,6 @@ def test_a_gesture_that_cannot_be_a_sequence_is_explained(own: OwnGesture, engli
         (SaveGesture("", "😜"), "cannot be a name"),
         (SaveGesture("../x", "😜"), "cannot be a name"),
         (SaveGesture("Happy", "😜"), "a gesture of BEATRIX"),
-        (SaveGesture("broken", "😜", old="wink"), "already"),
     ],
 )
 def test_a_name_that_cannot_be_used_is_refused(intent: Intent, why: str) -> None:

@@ -76,25 +76,25 @@ def read(path: Path) -> OwnGesture:
 
 
 def write(action: KeepGesture) -> None:
-    """Write or delete a gesture; raises WindowError."""
+    """Write or delete a gesture; what it replaces goes to the deleted ones. Raises WindowError."""
     folder = own_gestures.folder()
     file, old = folder / f"{action.name}.csv", folder / f"{action.instead}.csv"
     try:
-        (folder / DELETED if action.instead else folder).mkdir(parents=True, exist_ok=True)
+        (folder / DELETED).mkdir(parents=True, exist_ok=True)
         if not action.name:
             old.replace(folder / DELETED / old.name)
             return
         with files.replace_when_complete(file) as unfinished:
             unfinished.write_text(action.text, encoding="utf-8", newline="\n")
-            if action.instead and old.exists():
-                old.replace(folder / DELETED / old.name)
+            for gone in filter(Path.exists, (file, old)):
+                gone.replace(folder / DELETED / gone.name)
     except OSError as error:
         where = str(file if action.name else old)
         raise WindowError(Reason.BAD_VALUE, "result.no_write", file=where) from error
 
 
 def exchange(action: ShareGesture | FetchGestures, session: Session) -> None:
-    """Give a gesture to the class, or write those of the class; one of the user that differs goes to the deleted ones.
+    """Give a gesture to the class, or write those of the class.
 
     Raises:
         BeatrixError: the class has none, a file cannot be written, or as `share` and `shared`.
@@ -108,4 +108,4 @@ def exchange(action: ShareGesture | FetchGestures, session: Session) -> None:
     for name, text in found.items():
         own = own_gestures.file_of(name)
         if own is None or read(own).text != text:
-            write(KeepGesture(NEW, name, text, "" if own is None else name))
+            write(KeepGesture(NEW, name, text))

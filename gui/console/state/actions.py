@@ -241,7 +241,7 @@ class KeepGesture(Action, frozen=True):
     """empty: none is written"""
     text: str
     instead: str = ""
-    """the gesture that goes to the deleted ones; empty: none"""
+    """the gesture that goes to the deleted ones, besides that of the same name; empty: none"""
 
 
 class ShareGesture(Action, frozen=True):

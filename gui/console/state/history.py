@@ -20,7 +20,7 @@ from beatrix_zenoh.contract.names import SIDES
 from gui.console.state import actions, code_lines, other_seats
 from gui.console.state.actions import Govern, Outcome, Play, Send, SendStop
 from gui.console.state.gestures import title
-from gui.console.state.memory import CHEER, Gesture, Memory, RequestRow
+from gui.console.state.memory import CHEER, Memory, RequestRow
 from gui.console.state.refusals import reason_of, sentence, side_of, told_by
 from gui.console.state.views import HistoryRowView
 from gui.console.state.world import Trouble, World, news
@@ -29,6 +29,11 @@ from gui.console.texts import Texts
 SHOWN = 100
 """Largest number of rows of the view."""
 SYMBOLS = {True: "✓", False: "✕", None: "…"}
+PLAIN = {
+    actions.MakeReady: "what.ready",
+    actions.RunBlocks: "what.blocks",
+    actions.FetchGestures: "what.fetch",
+}
 STOPS = {Command.STOP.name, Command.EMERGENCY_STOP.name}
 
 
@@ -190,7 +195,7 @@ def _what_of(row: RequestRow, texts: Texts) -> str:
 
 def what(row: RequestRow, texts: Texts) -> str:
     """Return a request in a few words."""
-    key, slots = "what.ready", dict[str, str]()
+    key, slots = PLAIN.get(type(row.request), ""), dict[str, str]()
     match row.request:
         case Send(query=query):
             return _motion(query, texts)
@@ -209,12 +214,12 @@ def what(row: RequestRow, texts: Texts) -> str:
         case actions.RunProgram(file=file):
             known = {actions.FOLLOW: "what.follow_face", actions.TURN: "what.turn_to_sound"}
             key, slots = known.get(file, "what.program"), {"title": file.name}
-        case actions.RunBlocks():
-            key = "what.blocks"
         case actions.WriteFile(file=file):
             key, slots = "what.save", {"title": file.name}
-        case actions.KeepGesture() | actions.ShareGesture() | actions.FetchGestures():
-            return _about_gesture(row.request, texts)
+        case actions.KeepGesture(name=name, instead=old):
+            key, slots = ("what.save", {"title": name}) if name else ("what.delete", {"title": old})
+        case actions.ShareGesture(name=name):
+            key, slots = "what.share", {"title": name}
     return texts(key, **slots)
 
 
@@ -246,18 +251,6 @@ def _played(request: Play, texts: Texts) -> str:
         return texts("what.gesture", title=title(request.gesture, texts))
     count = len(request.poses)
     return texts("what.play_pose" if count == 1 else "what.play_poses", count=float(count))
-
-
-def _about_gesture(request: Gesture, texts: Texts) -> str:
-    """Return a request about gestures of the user in a few words."""
-    match request:
-        case actions.KeepGesture(name="", instead=old):
-            return texts("what.delete", title=old)
-        case actions.ShareGesture(name=name):
-            return texts("what.share", title=name)
-        case actions.KeepGesture(name=name):
-            return texts("what.save", title=name)
-    return texts("what.fetch")
 
 
 def _governed(request: Govern, texts: Texts) -> str:

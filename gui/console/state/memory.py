@@ -38,8 +38,8 @@ ToRobots = (
     | actions.MakeReady
 )
 """Actions that are sent only if their robots are online."""
-Gesture = actions.KeepGesture | actions.ShareGesture | actions.FetchGestures
-Request = ToRobots | actions.RunProgram | actions.SendStop | actions.Govern | actions.WriteFile | Gesture
+Files = actions.WriteFile | actions.KeepGesture | actions.ShareGesture | actions.FetchGestures
+Request = ToRobots | actions.RunProgram | actions.SendStop | actions.Govern | Files
 """Actions with a row in the history."""
 
 

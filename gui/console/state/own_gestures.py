@@ -61,16 +61,14 @@ def _view(gesture: OwnGesture, off: str, world: World, texts: Texts) -> OwnGestu
     return OwnGestureView(name, emoji, play, menu)
 
 
-def _wrong_name(memory: Memory, world: World, name: str, old: str) -> bool:
-    """Return whether the gesture `old` (empty: a new one) cannot get a name; if so, show why."""
-    key, others = "", {gesture.name.casefold() for gesture in world.gestures} - {old.casefold()}
+def _wrong_name(memory: Memory, world: World, name: str, old: OwnGesture | None) -> bool:
+    """Return whether the gesture `old` (None: a new one) cannot get this name; if so, show why."""
+    key = ""
     if not files.possible(name):
         key = "cannot.gesture_name"
     elif name.casefold() in TAKEN:
         key = "cannot.gesture_taken"
-    elif old and name.casefold() in others:
-        key = "cannot.gesture_exists"
-    elif not old and len({*others, name.casefold()}) > files.MOST:
+    elif old is None and len(world.gestures) >= files.MOST:
         key = "cannot.gesture_many"
     if key:
         memory.refuse(CONTROL, key, name=name, most=str(files.MOST), shipped=", ".join(sorted(TAKEN)))
@@ -79,7 +77,7 @@ def _wrong_name(memory: Memory, world: World, name: str, old: str) -> bool:
 
 def _save(memory: Memory, world: World, intent: SaveGesture) -> list[Action]:
     name, old = intent.name.strip(), _find(world, intent.old or intent.name.strip())
-    if _wrong_name(memory, world, name, intent.old):
+    if _wrong_name(memory, world, name, old):
         return []
     text = (old.text if old else "") if intent.old else _sequence(memory, world)
     if not text:

@@ -249,7 +249,7 @@ def choreography_of(poses: tuple[SavedPose, ...], limits: LimitsData) -> str:
 def open_file(memory: Memory, world: World, text: str) -> list[Action]:
     """Replace the poses by those of a choreography that can be played: each is reached when the next one begins."""
     found = choreography(motion_file.parse(text, ""))
-    if len(found.steps) > POSES_MAX:
+    if len(found.steps) > POSES_MAX + 1:  # the last one may be the head at home, which is no pose of the user
         slots = {"count": str(len(found.steps)), "allowed": str(POSES_MAX)}
         return memory.refuse(CONTROL, "cannot.too_many", **slots)
     try:

@@ -21,8 +21,6 @@ TINT, TINT_CHOSEN = 30, 65
 SECTOR: Final = 360 / len(EMOTIONS)
 HOLE: Final = 0.5
 """Size of the middle with the name, of that of the wheel."""
-WIDEST: Final = 2.1
-"""Largest width of the wheel, of its height."""
 ENTERED: Final = (QEvent.Type.Enter, QEvent.Type.FocusIn)
 LEFT: Final = (QEvent.Type.Leave, QEvent.Type.FocusOut)
 
@@ -58,10 +56,8 @@ class EmotionWheel(QWidget):
 
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
         super().resizeEvent(event)
-        height = self.height() - 2.0
-        width = min(self.width() - 2.0, height * WIDEST)
-        area = QRectF((self.width() - width) / 2, 1, width, height)
-        hole = QRectF(0, 0, width * HOLE, height * HOLE)
+        area = QRectF(self.rect()).adjusted(1, 1, -1, -1)
+        hole = QRectF(0, 0, area.width() * HOLE, area.height() * HOLE)
         hole.moveCenter(area.center())
         self.middle.setGeometry(hole.toRect())
         for number, button in enumerate(self.buttons.values()):

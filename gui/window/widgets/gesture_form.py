@@ -54,7 +54,7 @@ class GestureForm(QWidget):
         self.save.clicked.connect(self._give)
         self.cancel.clicked.connect(self.closed)
 
-    def ask(self, name: str, sign: str, names: Sequence[str] = ()) -> None:
+    def ask(self, name: str, sign: str, names: Sequence[str]) -> None:
         """Begin with a name and an emoji; a gesture of one of `names` would be replaced."""
         self._names = [other.casefold() for other in names]
         self.emoji.setCurrentRow(EMOJI.index(sign) if sign in EMOJI else 0)

@@ -36,7 +36,7 @@ SMALL_PX = 40, 34
 """Least size of a button without its name: arrow and picture fit."""
 AIR_PX, ARROW_PX, BAR_PX = 10, 14, 24
 """Width beside the name of a button, of the arrow of its menu, and of the scroll bar."""
-WHEEL, WHEEL_MOST = 2.2, 0.42
+WHEEL, WHEEL_MOST = 2.0, 0.42
 """Width of the wheel, of the panel's height; and its largest width, of that of the panel."""
 
 
@@ -175,8 +175,7 @@ class GesturesPanel(Panel):
             self._asked = intent
         self._stack.setCurrentIndex(1)
         self.shown.emit(True)  # noqa: FBT003
-        names = [] if self._asked.old else [gesture.name for gesture in self._own]
-        self.form.ask(self._asked.name, self._asked.emoji, names)
+        self.form.ask(self._asked.name, self._asked.emoji, [*self.own])
 
     def _give(self, name: str, emoji: str) -> None:
         self._asked = structs.replace(self._asked, name=name, emoji=emoji)

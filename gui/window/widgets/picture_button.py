@@ -46,21 +46,19 @@ class PictureButton(QToolButton):
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
-        style = style_of(theme)
+        style, ratio = style_of(theme), self.devicePixelRatioF()
         icon, side = QIcon(), style.px(PICTURE_PX)
         for mode, line, mark in (
             (QIcon.Mode.Normal, style.text, style.accent),
             (QIcon.Mode.Disabled, style.disabled, style.disabled),
         ):
-            icon.addPixmap(self._drawn(side, (line, style.field, mark)), mode)
+            if self._sign is None:
+                picture = drawn(self._picture, side, ratio, (line, style.field, mark))
+            else:
+                picture = emoji(self._sign, self._picture, side, ratio, line)
+            icon.addPixmap(picture, mode)
         self.setIcon(icon)
         self.setIconSize(QSize(side, side))
-
-    def _drawn(self, side: int, colours: tuple[str, str, str]) -> QPixmap:
-        ratio = self.devicePixelRatioF()
-        if self._sign is None:
-            return drawn(self._picture, side, ratio, colours)
-        return emoji(self._sign, self._picture, side, ratio, colours[0])
 
 
 def drawn(name: str, side: int, ratio: float, colours: tuple[str, str, str]) -> QPixmap:
