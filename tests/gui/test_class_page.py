@@ -13,7 +13,7 @@ from PyQt5.QtWidgets import QApplication
 from recording_link import RecordingLink, WatchedState
 
 from beatrix_zenoh.contract._generated.messages import LeaseAction
-from gui.console.state.actions import ChooseRobot, Govern, SendStop, WatchClass
+from gui.console.state.actions import ChooseRobot, Govern, SendStop, Watch
 from gui.console.state.intents import LimitClass
 from gui.window.widgets.class_page import ClassPage
 from gui.window.window import Window
@@ -33,7 +33,7 @@ def page(window: Window, link: RecordingLink, state: WatchedState) -> ClassPage:
     """The page of the class, shown by its key."""
     QTest.keyClick(window, Qt.Key.Key_F2)
     assert window.panels.class_page.isVisible()
-    assert link.done[-1] == WatchClass(on=True)
+    assert link.done[-1] == Watch(class_page=True)
     state.intents.clear()
     return window.panels.class_page
 

@@ -16,7 +16,7 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QWidget
 from pytestqt.qtbot import QtBot
 
-from gui.console.state.actions import TURN, LetSpeak, MovePerson, WatchCameras, WatchPerson
+from gui.console.state.actions import TURN, LetSpeak, MovePerson, Watch
 from gui.console.state.intents import Choose, Intent, Tab, Theme
 from gui.console.state.state import State
 from gui.console.state.world import Person, ProgramProgress
@@ -25,11 +25,11 @@ from gui.window.widgets.head3d_room import NEAREST, REACH, Floor, Room
 
 PERSON = Person(1.0, 0.5, 0.16)
 RUNS = ProgramProgress(TURN, running=True, sides=("hw", "sim"))
-HIDDEN = [WatchCameras(frozenset()), WatchPerson(on=False)]
+HIDDEN = [Watch()]
 
 
 def shown(side: str) -> list[Intent]:
-    return [WatchCameras(frozenset({(side, "left")})), WatchPerson(on=True)]
+    return [Watch(cameras=frozenset({(side, "left")}), person=True)]
 
 
 def test_the_room_is_received_exactly_while_it_is_visible() -> None:
@@ -52,7 +52,9 @@ def test_a_program_shows_the_room_with_its_own_eye_until_it_ends() -> None:
 
 def test_nobody_is_looked_for_without_a_simulation() -> None:
     state = State()
-    assert WatchPerson(on=True) not in state.follow(world(absent("sim"), robot("hw"), program=RUNS))
+    (watch,) = state.follow(world(absent("sim"), robot("hw"), program=RUNS))
+    assert isinstance(watch, Watch)
+    assert not watch.person
 
 
 @given(

@@ -33,8 +33,7 @@ from gui.console.state.actions import (
     Outcome,
     SendCommand,
     SendStop,
-    WatchCameras,
-    WatchMicrophones,
+    Watch,
 )
 from gui.console.state.history import SHOWN
 from gui.console.state.intents import Choose, Jog, RunCommand, Tab, TogglePage
@@ -177,10 +176,10 @@ def test_only_visible_pictures_are_subscribed_to() -> None:
     state = State()
     assert state.handle(intents.Choose("tab", Tab.EYES), world()) == []
     assert state.view(world()).choices.tab is Tab.EYES
-    assert state.handle(intents.Choose("cameras", value=True), world()) == [WatchCameras(EYES)]
+    assert state.handle(intents.Choose("cameras", value=True), world()) == [Watch(cameras=EYES)]
     watched = {(eye.side, eye.eye) for eye in state.view(world(hw=absent("hw"))).eyes if eye.watched}
     assert watched == {("sim", "left"), ("sim", "right")}
-    assert state.handle(intents.Choose("cameras", value=False), world()) == [WatchCameras(frozenset())]
+    assert state.handle(intents.Choose("cameras", value=False), world()) == [Watch()]
     assert state.handle(intents.Choose("tab", Tab.PLOTS), world()) == []
 
 
@@ -276,16 +275,15 @@ def test_a_mark_shows_that_microphones_are_on(*, on: bool) -> None:
 
 def test_microphones_are_on_only_while_their_levels_are_shown() -> None:
     state, both = State(), frozenset({"sim", "hw"})
-    nothing: frozenset[str] = frozenset()
     assert not state.view(world()).sound.on, "no window begins with listening"
     assert state.handle(Choose("microphones", value=True), world()) == [], "the tab is another"
-    assert state.handle(Choose("tab", Tab.EYES), world()) == [WatchMicrophones(both)]
-    assert state.handle(Choose("tab", Tab.PLOTS), world()) == [WatchMicrophones(nothing)]
+    assert state.handle(Choose("tab", Tab.EYES), world()) == [Watch(microphones=both)]
+    assert state.handle(Choose("tab", Tab.PLOTS), world()) == [Watch()]
     state.handle(Choose("tab", Tab.EYES), world())
     teacher = replace(world(), seat="teacher")
-    assert state.handle(TogglePage(), teacher)[1:] == [WatchMicrophones(nothing)]
-    assert state.handle(TogglePage(), teacher)[1:] == [WatchMicrophones(both)]
-    assert state.handle(Choose("microphones", value=False), world()) == [WatchMicrophones(nothing)]
+    assert state.handle(TogglePage(), teacher) == [Watch(class_page=True)]
+    assert state.handle(TogglePage(), teacher) == [Watch(microphones=both)]
+    assert state.handle(Choose("microphones", value=False), world()) == [Watch()]
 
 
 def levels(now: World, *, on: bool = True) -> tuple[LevelView, ...]:

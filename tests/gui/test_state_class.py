@@ -17,7 +17,7 @@ from beatrix_zenoh.client.lesson_reports import Row
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason, SeatCount
 from beatrix_zenoh.lessons.progress import Record
 from gui.console.state import intents, lessons
-from gui.console.state.actions import Govern, Outcome, SendStop, WatchClass
+from gui.console.state.actions import Govern, Outcome, SendStop, Watch
 from gui.console.state.intents import Intent, LimitClass, Stop, TogglePage, WindowPage
 from gui.console.state.lessons import LessonRowView, LessonsView, Progress
 from gui.console.state.state import State
@@ -36,7 +36,7 @@ def page(state: State, now: World = TEACHER) -> ClassView:
 def opened() -> State:
     """Return the state of a teacher's window that shows the class."""
     state = State()
-    assert state.handle(TogglePage(), TEACHER) == [WatchClass(on=True)]
+    assert state.handle(TogglePage(), TEACHER) == [Watch(class_page=True)]
     return state
 
 
@@ -195,7 +195,7 @@ def test_both_stops_on_the_page_of_the_class_are_for_all_robots() -> None:
     assert state.handle(view.emergency.intent, TEACHER) == [SendStop(2, everywhere=True, emergency=True)]
     state.report(Outcome(2, "", accepted=True, done=True, robots=8))
     same("state class.an emergency stop on the page of the class goes to all robots", page(state).result)
-    assert state.handle(TogglePage(), TEACHER)[0] == WatchClass(on=False)
+    assert state.handle(TogglePage(), TEACHER)[0] == Watch()
     assert state.handle(Stop(), TEACHER) == [SendStop(3)]
     assert state.handle(intents.Repeat(1), TEACHER) == [SendStop(4, everywhere=True)]
 

@@ -37,7 +37,7 @@ def test_the_checked_robots_are_shown_else_all(
 
 def test_a_film_shows_its_clock_and_a_second_press_ends_it() -> None:
     view = state_after().view(world(picture=PictureProgress(seconds=9.96))).show
-    assert (view.film.running, view.film.text, view.film.toggle.intent) == (True, "0:09", EndFilm())
+    assert (view.film.text, view.film.toggle.intent) == ("0:09", EndFilm())
     assert not view.photo.enabled
     view = state_after().view(world(picture=PictureProgress(writing=True, file=FILE))).show
     assert {view.photo.enabled, view.film.toggle.enabled} == {False}

@@ -219,7 +219,7 @@ def test_record_stays_where_it_was_pressed(window: Window, state: ShownState) ->
     QApplication.processEvents()
     before = [widget.geometry() for widget in watched]
     toggle = ButtonView("End recording", "End the recording", EndRecording())
-    state.shown = replace(state.shown, record=RecordView(toggle, running=True, text="12:34", open=None))
+    state.shown = replace(state.shown, record=RecordView(toggle, "12:34"))
     window.refresh()
     QApplication.processEvents()
     assert header.record.toggle.text() == "■ 12:34"

@@ -25,7 +25,13 @@ if os.fork() == 0:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGKILL and no fork")
-@pytest.mark.parametrize(("verb", "how"), [("check", signal.SIGKILL), ("watch", signal.SIGINT)])
+@pytest.mark.parametrize(
+    ("verb", "how"),
+    [
+        ("check", signal.SIGKILL),
+        pytest.param("watch", signal.SIGINT, marks=pytest.mark.long("starts a robot for a second time")),
+    ],
+)
 def test_a_killed_check_leaves_no_process(verb: str, how: signal.Signals, tmp_path: Path) -> None:
     def lesson(*words: str) -> Process:
         return Process("-m", "beatrix_zenoh.cli", "lesson", *words, "1", folder=tmp_path, traced=False)

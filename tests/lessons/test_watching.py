@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import threading
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 
 from beatrix_zenoh.client.lease import ask
 from beatrix_zenoh.contract._generated.messages import LeaseAction
+from beatrix_zenoh.lessons import watching
 from beatrix_zenoh.lessons.checking import Result, Verdict
 from beatrix_zenoh.lessons.stage import PUPIL, ROBOT, Stage
 from beatrix_zenoh.lessons.watching import KeptStage, watch
@@ -35,22 +37,28 @@ def test_each_save_is_checked_until_the_program_passes(ends: bool, tmp_path: Pat
     assert checked == ["first", "second"]
 
 
-def test_a_kept_stage_is_tidied_and_replaced_if_that_is_not_possible() -> None:
+def test_a_kept_stage_is_tidied_and_replaced_if_that_is_not_possible(
+    stage: Stage, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    opens, teacher = Mock(return_value=nullcontext(stage)), stage.robot(who="teacher")
+    monkeypatch.setattr(watching, "open_stage", opens)
+
     def opened(kept: KeptStage) -> AbstractContextManager[Stage]:
         return kept([ROBOT], "still", None, lambda _: None)
 
     with KeptStage() as kept:
-        with opened(kept) as first:
-            pupil = first.robot(who=PUPIL)
+        with opened(kept):
+            pupil = stage.robot(who=PUPIL)
             pupil.look(yaw=20)
             pupil.move_target(1, 0.4, 0)
             pupil.client.close()
-        with opened(kept) as second:
-            assert second is first
-            robot = second.watches[ROBOT].robot
+        with opened(kept):
+            robot = stage.watches[ROBOT].robot
             assert abs(robot.positions().head.yaw) < 0.5
             assert robot.target().y == pytest.approx(0)
-            ask(second.robot(who="teacher"), LeaseAction.FREEZE)
-        with opened(kept) as third:
-            assert third is not first
-            assert not third.watches[ROBOT].robot.status().frozen
+            assert opens.call_count == 1
+            ask(teacher, LeaseAction.FREEZE)
+        kept.tidy()
+        ask(teacher, LeaseAction.UNFREEZE)
+        with opened(kept):
+            assert opens.call_count == 2

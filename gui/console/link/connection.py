@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import threading
 import time
 from collections.abc import Callable
@@ -89,8 +88,7 @@ class Connection:
         self._refusals = 0
         self._lock = threading.Lock()
         self._closed = False
-        self._jobs, self._due_s = jobs, 0.0
-        """when to look again (monotonic clock, s); infinite while it looks"""
+        self._jobs, self._steps = jobs, Repeated(jobs, "connection", RETRY_S)
 
     @property
     def phase(self) -> LinkPhase:
@@ -128,9 +126,7 @@ class Connection:
 
     def look(self, now_s: float) -> None:
         """Look for router and robot again if it is time; returns at once. Call it often, in one thread only."""
-        if now_s >= self._due_s:
-            self._due_s = math.inf
-            self._put(self._step)
+        self._steps.look(now_s, self._step)
 
     def try_now(self) -> None:
         """Look now for the router and whether it accepts the account."""
@@ -188,7 +184,7 @@ class Connection:
                 self._check_account()
         finally:
             chooses = self.phase is LinkPhase.ONLINE and not self._chosen
-            self._due_s = time.monotonic() + (LOOK_S if chooses else RETRY_S)
+            self._steps.period_s = LOOK_S if chooses else RETRY_S
 
     def _connect(self) -> None:
         settings = self.settings

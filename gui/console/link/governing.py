@@ -38,11 +38,13 @@ class LessonReports:
     """Reads the reports of lessons while they are watched; the methods are called in one thread only."""
 
     def __init__(self, jobs: Jobs) -> None:
-        self._jobs = jobs
+        self._jobs, self.watched = jobs, True
         self.watch(on=False)
 
     def watch(self, *, on: bool) -> None:
         """Begin or end reading."""
+        if on is self.watched:
+            return
         self.watched, self._reads = on, Repeated(self._jobs, "lessons", REPORTS_S)
         self.rows: tuple[Row, ...] | None = None
         """the newest reports by seat and lesson; None: none were read yet"""

@@ -57,7 +57,7 @@ class Repeated:
 
     def __init__(self, jobs: Jobs, queue: str, period_s: float) -> None:
         """Run it in this queue; the first time at once."""
-        self._jobs, self._queue, self._period_s = jobs, queue, period_s
+        self._jobs, self._queue, self.period_s = jobs, queue, period_s
         self._due_s = 0.0
         """when it is due (monotonic clock, s); infinite while it waits or runs"""
 
@@ -71,7 +71,7 @@ class Repeated:
         try:
             job()
         finally:
-            self._due_s = time.monotonic() + self._period_s
+            self._due_s = time.monotonic() + self.period_s
 
 
 def serve(jobs: queue.SimpleQueue[Job | None]) -> None:

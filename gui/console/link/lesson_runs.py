@@ -29,21 +29,17 @@ END_S: Final = 1.5
 class LessonRuns:
     """Runs one `lesson watch` at a time; all methods return at once."""
 
-    def __init__(self, jobs: Jobs, *, reads: bool = True) -> None:
-        """Start nothing yet; `reads`: whether to read what was passed so far, which no page shows."""
+    def __init__(self, jobs: Jobs) -> None:
         self._jobs = jobs
-        self._run = None if reads else LessonRun()
+        self.newest = LessonRun()
+        """what is known now"""
         self._lock = threading.Lock()
         self._wanted = 0
         """counts the watches, and their ends"""
 
-    @property
-    def newest(self) -> LessonRun:
-        """What is known now."""
-        if self._run is None:
-            self._run = LessonRun()
-            self._jobs.put("lessons", self._read)
-        return self._run
+    def read(self) -> None:
+        """Read which lessons were started and passed."""
+        self._jobs.put("lessons", self._read)
 
     def do(self, action: RunLesson) -> None:
         """Run a verb of `beatrix lesson`; a newer watch ends the older one."""
@@ -62,10 +58,9 @@ class LessonRuns:
 
     def _change(self, **values: Any) -> None:
         with self._lock:  # a hint comes while a check runs
-            self._run = replace(self._run or LessonRun(), **values)
+            self.newest = replace(self.newest, **values)
 
     def _read(self) -> None:
-        """Read which lessons were started and passed."""
         try:
             found = progress.workspace(Path.cwd())
         except BeatrixError as error:

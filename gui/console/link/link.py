@@ -85,7 +85,9 @@ class Link:
         self._recordings, self._ports = Recordings(jobs), Ports(jobs)
         self._filming = Filming(jobs, lambda: self.session)
         self._routers = Routers(jobs, self._connection, self.moving.deselect)
-        self._lesson_runs = LessonRuns(jobs, reads=source is Source.WINDOW)
+        self._lesson_runs = LessonRuns(jobs)
+        if source is Source.WINDOW:  # no page shows them
+            self._lesson_runs.read()
         self._table = self._carrying_out()
 
     def look(self) -> None:
@@ -172,12 +174,9 @@ class Link:
             actions.Release: lambda action: moving.release(action.row),
             actions.Retry: lambda _: connection.try_now(),
             actions.ChooseRobot: lambda action: self._select(action.name),
-            actions.WatchCameras: lambda action: self._cameras.watch(action.wanted),
-            actions.WatchMicrophones: lambda action: self._levels.watch(action.sides),
-            actions.WatchPerson: lambda action: moving.person.watch(on=action.on),
+            actions.Watch: self._watch,
             actions.MovePerson: moving.person.move,
             actions.LetSpeak: lambda action: moving.person.speak(on=action.on),
-            actions.WatchClass: lambda action: self._lessons.watch(on=action.on),
             actions.Govern: online(self._govern),
             actions.BeginRecording: lambda _: self._recordings.begin(*connection.where),
             actions.EndRecording: lambda _: self._recordings.end(),
@@ -206,6 +205,12 @@ class Link:
 
     def _hear(self, session: Session, side: str) -> LevelStream:
         return LevelStream(session.client, (session.twin.name, side))
+
+    def _watch(self, action: actions.Watch) -> None:
+        self._lessons.watch(on=action.class_page)
+        self._cameras.watch(action.cameras)
+        self._levels.watch(action.microphones)
+        self.moving.person.watch(on=action.person)
 
     def _follow(self) -> None:
         """Receive pictures and levels of the present session's robots from now on."""

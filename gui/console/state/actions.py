@@ -109,12 +109,6 @@ class Govern(Action, frozen=True):
     """for MUTE and UNMUTE only"""
 
 
-class WatchClass(Action, frozen=True):
-    """Begin or end reading the states of all robots, and the reports of lessons."""
-
-    on: bool
-
-
 class SendNow(Action, frozen=True):
     """Send the waiting motion of both robots to the hardware now."""
 
@@ -207,12 +201,6 @@ class LetSpeak(Action, frozen=True):
     on: bool
 
 
-class WatchPerson(Action, frozen=True):
-    """Begin or end asking where the simulated person is."""
-
-    on: bool
-
-
 class RunLesson(Action, frozen=True):
     """Run a verb of `beatrix lesson` as a child process."""
 
@@ -257,17 +245,17 @@ class FetchGestures(Action, frozen=True):
     row: int = NEW
 
 
-class WatchCameras(Action, frozen=True):
-    """Subscribe to exactly these pictures."""
+class Watch(Action, frozen=True):
+    """Receive exactly this, besides the states of the shown robots."""
 
-    wanted: frozenset[tuple[str, str]]
+    class_page: bool = False
+    """the states of all robots, and the reports of lessons"""
+    cameras: frozenset[tuple[str, str]] = frozenset()
     """side and eye of the visible pictures, for example `("sim", "left")`"""
-
-
-class WatchMicrophones(Action, frozen=True):
-    """Subscribe to the microphones of exactly these sides, which switches them on."""
-
-    sides: frozenset[str]
+    microphones: frozenset[str] = frozenset()
+    """sides, whose microphones are on meanwhile"""
+    person: bool = False
+    """where the simulated person is"""
 
 
 class BeginRecording(Action, frozen=True):

@@ -148,13 +148,12 @@ def recording_view(memory: Memory, world: World) -> RecordView:
     if recording is not None and recording.running:
         off = "record.ending_tip" if recording.ending else ""
         toggle = button(texts, "record.end", actions.EndRecording(), off)
-        return RecordView(toggle, running=True, text=_clock(texts, recording.seconds), open=None)
+        return RecordView(toggle, _clock(texts, recording.seconds))
     shown = None
     if recording is not None:
         shown = button(texts, "record.open", actions.ViewRecording(recording.file), file=str(recording.file))
     off = "" if world.phase is LinkPhase.ONLINE else "off.no_router"
-    toggle = button(texts, "record.begin", actions.BeginRecording(), off)
-    return RecordView(toggle, running=False, text="", open=shown)
+    return RecordView(button(texts, "record.begin", actions.BeginRecording(), off), open=shown)
 
 
 def _clock(texts: Texts, seconds: float) -> str:
@@ -171,17 +170,15 @@ def show_view(memory: Memory, world: World) -> ShowView:
     caption = f"{world.shown(world.seat)} · {world.robot}"
     photo, film = (TakePicture(film, sides, titles, caption) for film in (False, True))
     if picture.seconds is not None:
-        toggle = button(texts, "picture.film_end", actions.EndFilm())
-        busy = button(texts, "picture.photo", photo, "picture.film_end_tip")
-        clock = _clock(texts, picture.seconds)
-        return ShowView(busy, RecordView(toggle, running=True, text=clock, open=None))
+        end, busy = button(texts, "picture.film_end", actions.EndFilm()), "picture.film_end_tip"
+        record = RecordView(end, _clock(texts, picture.seconds))
+        return ShowView(button(texts, "picture.photo", photo, busy), record)
     off = "picture.writing_tip" if picture.writing else "" if sides else "off.no_position"
     shown = None
     if picture.file is not None:
         shown = button(texts, "picture.open", actions.OpenPicture(picture.file), file=str(picture.file))
     toggle = button(texts, "picture.writing" if picture.writing else "picture.film", film, off)
-    record = RecordView(toggle, running=False, text="", open=shown)
-    return ShowView(button(texts, "picture.photo", photo, off), record)
+    return ShowView(button(texts, "picture.photo", photo, off), RecordView(toggle, open=shown))
 
 
 def take_picture(memory: Memory, world: World, action: TakePicture) -> list[Action]:

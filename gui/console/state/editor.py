@@ -34,7 +34,6 @@ def view(memory: Memory, world: World) -> CodeView:
         file=code.file,
         folder=code.presses.parent,
         run=button(texts, "code.end", EndProgram()) if runs else button(texts, "code.run", RunCode()),
-        running=runs,
         message=message,
         failed=failed,
         output=progress.output if ours else (),

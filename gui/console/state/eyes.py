@@ -11,12 +11,8 @@ from gui.console.state import pills
 from gui.console.state.actions import (
     FOLLOW,
     TURN,
-    Action,
     LetSpeak,
-    WatchCameras,
-    WatchClass,
-    WatchMicrophones,
-    WatchPerson,
+    Watch,
 )
 from gui.console.state.gestures import EYE, sees
 from gui.console.state.intents import Tab, WindowPage
@@ -118,14 +114,6 @@ def share(level_db: float) -> float:
 
 # -- the room beside the head --------------------------------------------------------------------------
 
-NOTHING: Final[tuple[Action, ...]] = (
-    WatchClass(on=False),
-    WatchCameras(frozenset()),
-    WatchMicrophones(frozenset()),
-    WatchPerson(on=False),
-)
-"""What the window receives at the start."""
-
 
 def shows_room(choices: Choices, world: World) -> bool:
     """Return whether the room is visible: beside the head, if its box is checked or a program runs."""
@@ -133,15 +121,15 @@ def shows_room(choices: Choices, world: World) -> bool:
     return heads and (choices.room or any(map(world.program.runs, (FOLLOW, TURN))))
 
 
-def watched(choices: Choices, world: World) -> tuple[Action, ...]:
+def watched(choices: Choices, world: World) -> Watch:
     """Return what the window receives: exactly what it shows."""
     visible = shows_room(choices, world)
     pictures = wanted(choices) | ({(_side(world), EYE)} if visible else set())
-    return (
-        WatchClass(choices.page is WindowPage.CLASS),
-        WatchCameras(frozenset(pictures)),
-        WatchMicrophones(microphones(choices)),
-        WatchPerson(visible and online(world, "sim")),
+    return Watch(
+        choices.page is WindowPage.CLASS,
+        frozenset(pictures),
+        microphones(choices),
+        person=visible and online(world, "sim"),
     )
 
 

@@ -24,7 +24,7 @@ from gui.console.state import (
     sending,
     sequence,
 )
-from gui.console.state.actions import Action, Outcome
+from gui.console.state.actions import Action, Outcome, Watch
 from gui.console.state.intents import Choose, Intent, Tab, WindowPage
 from gui.console.state.memory import Handles, Memory, pass_on
 from gui.console.state.saved import Choices, Saved, changed, remembered
@@ -60,7 +60,7 @@ class State:
         """Begin with saved choices."""
         self._memory = Memory(Choices(**remembered(saved)), saved.poses)
         self._guide = missions.Guide(saved.guided)
-        self._watched = eyes.NOTHING
+        self._watched = Watch()
         self._handles: Handles = {
             **HANDLES,
             **dict.fromkeys(missions.HANDLED, self._guide.handle),
@@ -122,9 +122,9 @@ class State:
         return self._watch(world)
 
     def _watch(self, world: World) -> list[Action]:
-        """Return the changes of subscriptions since the last call."""
+        """Return what the window receives, if that has changed since the last call."""
         before, self._watched = self._watched, eyes.watched(self._memory.choices, world)
-        return [action for action in self._watched if action not in before]
+        return [] if self._watched == before else [self._watched]
 
     def celebration(self, world: World) -> list[Action]:
         """Return the gesture with which the simulated head celebrates a task that was just done; usually none."""

@@ -241,7 +241,6 @@ class CodeView:
     """the folder of the user's programs"""
     run: ButtonView
     """or end"""
-    running: bool
     message: str
     failed: bool
     output: tuple[str, ...]
@@ -387,10 +386,9 @@ class RecordView:
     """The Record button."""
 
     toggle: ButtonView
-    running: bool
-    text: str
+    text: str = ""
     """duration, for example `0:12`; empty: no recording runs"""
-    open: ButtonView | None
+    open: ButtonView | None = None
 
 
 @dataclass(frozen=True)

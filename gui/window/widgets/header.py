@@ -107,8 +107,8 @@ class RecordButtons(Panel):
         """Show the buttons."""
         self.open.show_view(view.open)
         self.toggle.show_view(view.toggle)
-        self.toggle.setText(f"■ {view.text}" if view.running else view.toggle.text)
-        set_role(self.toggle, "recording", "yes" if view.running else "")
+        self.toggle.setText(f"■ {view.text}" if view.text else view.toggle.text)
+        set_role(self.toggle, "recording", "yes" if view.text else "")
 
 
 class ShowButtons(Panel):

@@ -17,7 +17,7 @@ from beatrix_zenoh.client import RobotState, own_gestures
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LeaseAction, Reason
-from gui.console.state.actions import FetchGestures, Govern, SendStop, ShareGesture, WatchClass
+from gui.console.state.actions import FetchGestures, Govern, SendStop, ShareGesture, Watch
 from gui.console.state.intents import TogglePage
 from gui.console.state.state import State
 from gui.console.state.world import LinkPhase, World
@@ -29,7 +29,7 @@ def test_a_robot_that_does_not_answer_is_named_and_the_others_are_frozen() -> No
         stage.node("bea2")
         hung = stage.hardware("bea")
         with Linked(stage.endpoint, who="teacher") as linked:
-            linked.do(WatchClass(on=True))
+            linked.do(Watch(class_page=True))
             linked.until(lambda world: len(world.robots) == 2, "all robots are listed")
             linked.until(lambda world: world.seats == ("teacher",), "the seat is listed")
             hung.send(signal.SIGSTOP)
@@ -48,7 +48,7 @@ def test_a_robot_that_does_not_answer_is_named_and_the_others_are_frozen() -> No
             for end in (frozen, stop):
                 assert (end.accepted, end.robots, end.failed) == (False, 2, ("bea (hw)",))
             hung.send(signal.SIGCONT)
-            linked.do(WatchClass(on=False))
+            linked.do(Watch())
             assert linked.world.robots == ()
 
 
@@ -57,7 +57,7 @@ def test_freeze_limit_and_stop_reach_all_robots() -> None:
         for name in ("bea1", "bea2"):
             stage.node(name)
         with Linked(stage.endpoint, who="teacher") as linked:
-            linked.do(WatchClass(on=True))
+            linked.do(Watch(class_page=True))
             linked.until(lambda world: len(world.robots) == 2, "all robots are listed")
             linked.do(Govern(1, LeaseAction.FREEZE))
             linked.do(Govern(2, LeaseAction.LIMIT, speed=0.5))
@@ -89,7 +89,7 @@ def teacher(school: ClassRouter) -> Iterator[Linked]:
 def test_the_window_of_a_class_mutes_the_seat_of_a_named_pupil(school: ClassRouter, teacher: Linked) -> None:
     ana = school.session("ana")
     ana.declare_token(keys.seat("ana", ana.session_id))
-    teacher.do(WatchClass(on=True))
+    teacher.do(Watch(class_page=True))
     teacher.until(lambda world: world.seats == ("ana", "teacher"), "the seats are listed")
     assert teacher.world.shown("ana") == "Ána Ruiz (ana)"
     (seat,) = page_seats(teacher.world)
@@ -135,18 +135,18 @@ def test_the_reports_of_the_class_are_read_while_its_page_is_shown(
     ana = school.session("ana")
     teacher.until(lambda world: world.phase is LinkPhase.ONLINE, "a session")
     assert teacher.world.reports is None
-    teacher.do(WatchClass(on=True))
+    teacher.do(Watch(class_page=True))
     for report in (lesson("ana", "01-hello", stuck=5), lesson("ana", "01-hello", passed=True, tries=6)):
         ana.put(keys.lesson("ana", "01-hello"), codec.encode(report.state), codec.MSGPACK)
         teacher.until(lambda world, report=report: world.reports == (report,), "the report is read")  # type: ignore[misc]
-    teacher.do(WatchClass(on=False))
+    teacher.do(Watch())
     assert teacher.world.reports is None
 
 
 def test_only_the_teacher_reads_reports(school: ClassRouter) -> None:
     account = school.account("ana")
     with Linked(account.connect, "bea1", "ana", account=account) as linked:
-        linked.do(WatchClass(on=True))
+        linked.do(Watch(class_page=True))
         assert linked.until(lambda world: world.reports_failed, "refused").reports is None
 
 

@@ -22,7 +22,7 @@ from gui.console.state.actions import (
     MovePerson,
     RunProgram,
     SendStop,
-    WatchPerson,
+    Watch,
 )
 
 START_S = 60.0
@@ -41,7 +41,7 @@ def at(bearing: float) -> MovePerson:
 
 def test_the_head_turns_to_the_voice_of_the_dragged_person_until_stop(stage: Stage, linked: Linked) -> None:
     with Robot("bea", side="sim", connect=stage.endpoint, who="ana") as robot:
-        linked.do(WatchPerson(on=True))
+        linked.do(Watch(person=True))
         linked.until(lambda world: world.person is not None, "the person is seen")
         linked.do(RunProgram(1, TURN, ("sim",)))
         for bearing in (35.0, -30.0):
@@ -60,7 +60,7 @@ def test_the_head_turns_to_the_voice_of_the_dragged_person_until_stop(stage: Sta
         assert linked.end_of(1).reason is Reason.STOPPED
         until(lambda: played(robot) == "silence", "the person is silent")
         assert robot.target().y == pytest.approx(at(-30.0).y, abs=1e-3)
-        linked.do(WatchPerson(on=False))
+        linked.do(Watch())
         assert linked.world.person is None
 
 

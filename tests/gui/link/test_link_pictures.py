@@ -5,7 +5,7 @@ from __future__ import annotations
 from gui_links import Linked
 from robots import Process, Stage, until, wait_status
 
-from gui.console.state.actions import WatchCameras, WatchMicrophones
+from gui.console.state.actions import Watch
 
 FIRST_S = 20.0
 """Longest wait (s) for the first picture, which starts rendering."""
@@ -19,10 +19,10 @@ def pictures(linked: Linked, more_than: int) -> None:
 
 def test_a_camera_streams_only_while_its_pictures_are_wanted(linked: Linked, stage: Stage) -> None:
     robot = stage.robot("bea", "hw")
-    linked.do(WatchCameras(frozenset({LEFT})))
+    linked.do(Watch(cameras=frozenset({LEFT})))
     pictures(linked, 3)
     assert [camera.streaming for camera in robot.status().cameras] == [True, False]
-    linked.do(WatchCameras(frozenset()))
+    linked.do(Watch())
     wait_status(robot, lambda status: not status.cameras[0].streaming, "the camera stops")
 
 
@@ -33,7 +33,7 @@ def test_pictures_return_with_a_restarted_robot(stage: Stage) -> None:
         return process
 
     with Linked(stage.endpoint, "mortal") as linked:
-        linked.do(WatchCameras(frozenset({LEFT})))
+        linked.do(Watch(cameras=frozenset({LEFT})))
         born().end()
         born().end()
 
@@ -43,9 +43,9 @@ def test_levels_are_shown_while_the_microphones_are_wanted(stage: Stage) -> None
     robot = stage.robot("ears", "hw")
     with Linked(stage.endpoint, "ears") as linked:
         linked.online("hw")
-        linked.do(WatchMicrophones(frozenset({"hw"})))
+        linked.do(Watch(microphones=frozenset({"hw"})))
         linked.until(lambda world: world.levels.get("hw", (-120.0, -120.0))[0] > -100.0, "a level")
-        linked.do(WatchMicrophones(frozenset()))
+        linked.do(Watch())
         wait_status(robot, lambda status: not (status.microphones and status.microphones.streaming), "off")
         assert linked.world.levels == {}
     node.end()
