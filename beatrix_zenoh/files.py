@@ -34,6 +34,11 @@ def stamp(path: Path) -> Stamp | None:
     return found.st_mtime_ns, found.st_size
 
 
+def from_here(path: Path) -> Path:
+    """Return a path as a user types it: from the working folder, if it is inside."""
+    return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
+
+
 def content(path: Path, longest: int, form: str, called: str = "") -> bytes:
     """Return the bytes of a file of at most `longest` bytes.
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from beatrix_zenoh.contract.errors import BeatrixError, bad_value
+from beatrix_zenoh.files import from_here
 from beatrix_zenoh.lesson_files import Lesson, find, lessons
 from beatrix_zenoh.lessons import program as programs
 from beatrix_zenoh.lessons import progress
@@ -63,11 +64,6 @@ LatestNumber = Annotated[
 ]
 
 
-def _shown(path: Path) -> Path:
-    """Return a path as a pupil types it: from the working folder, if it is inside."""
-    return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
-
-
 def _workspace() -> Workspace:
     return progress.workspace(Path.cwd())
 
@@ -83,7 +79,7 @@ def _writing(folder: Path) -> Iterator[None]:
         yield
     except OSError as error:
         raise bad_value(
-            f"{_shown(folder)} cannot be written: {error.strerror}. Work in a folder of your own, for example in your home folder.",
+            f"{from_here(folder)} cannot be written: {error.strerror}. Work in a folder of your own, for example in your home folder.",
         ) from error
 
 
@@ -142,7 +138,7 @@ def start(
     program = folder / f"start{suffix}"
     if program.exists():
         raise bad_value(
-            f"{_shown(program)} exists and is not overwritten. {LESSON} check {number}` checks it; "
+            f"{from_here(program)} exists and is not overwritten. {LESSON} check {number}` checks it; "
             f"{LESSON} reset {number}` gives you a fresh one, and keeps this one.",
         )
     with _writing(folder):
@@ -159,7 +155,7 @@ def start(
     head, *labels = START[found.language]
     say(head.format(number=number, title=found.title, minutes=found.about.minutes))
     say(f"  {found.goal}")
-    values = (folder, _shown(folder / "lesson.md"), _shown(program), f"beatrix lesson watch {number}")
+    values = (folder, from_here(folder / "lesson.md"), from_here(program), f"beatrix lesson watch {number}")
     for label, value in zip(labels, values, strict=True):
         say(f"  {label:<8} {value}")
 
@@ -189,7 +185,7 @@ def check(
 
     found, path = _checkable(number)
     recording = path.with_name("check.rrd")
-    note(f"Checking {_shown(path)} …")
+    note(f"Checking {from_here(path)} …")
     with signals_interrupt():
         verdict = _judge(found, path, open_stage, as_json, recording if keep else None)
     if keep and not recording.exists():
@@ -216,14 +212,14 @@ def watch_program(number: LatestNumber = None, as_json: Json = False) -> None:
         else:
             if sys.stdout.isatty():
                 print(CLEAR, end="")
-            note(f"Checking {_shown(path)} …")
+            note(f"Checking {from_here(path)} …")
         try:
             verdict = _judge(found, path, stages, as_json)
         except BeatrixError as error:  # for example a file that is no text: the next save may cure it
             verdict = Verdict(Result.NOT_MEASURABLE)
             print_failure(error.reason, error.message) if as_json else say(error.message)
         if not as_json and verdict.result.value:
-            note(f"Save {_shown(path)} to check it again; Ctrl-C ends.")
+            note(f"Save {from_here(path)} to check it again; Ctrl-C ends.")
         return verdict
 
     passed = watch(lambda: workspace.programs(found.name), check_now)
@@ -252,7 +248,7 @@ def _judge(found: Lesson, path: Path, stages: Stages, as_json: bool, keep: Path 
     if as_json:
         print_json(checking.document(found, verdict, record, picture))
     else:
-        checking.show(found, verdict, record, picture and _shown(picture))
+        checking.show(found, verdict, record, picture and from_here(picture))
     return verdict
 
 
@@ -263,7 +259,7 @@ def _program(number: int | None, workspace: Workspace) -> tuple[Lesson, Path]:
         paths = workspace.programs(found.name)
         if not paths:
             raise bad_value(
-                f"{_shown(workspace.folder / found.name)} has no program. Start the lesson: {LESSON} start {number}`.",
+                f"{from_here(workspace.folder / found.name)} has no program. Start the lesson: {LESSON} start {number}`.",
             )
         return found, paths[0]
     started = [
@@ -305,7 +301,7 @@ def reset(number: Number) -> None:
     with _writing(path.parent):
         path.rename(kept)
         _write_program(found, path)
-    say(f"{_shown(path)} is as at the beginning. The old one is {_shown(kept)}.")
+    say(f"{from_here(path)} is as at the beginning. The old one is {from_here(kept)}.")
 
 
 @lesson.command()

@@ -6,6 +6,7 @@ from functools import cache
 from pathlib import Path
 from typing import Final, Literal
 
+from beatrix_zenoh.files import from_here
 from beatrix_zenoh.lesson_files import Lesson, lessons
 from gui.console.state.actions import Action, RunLesson
 from gui.console.state.intents import Intent
@@ -95,7 +96,7 @@ class LessonStrip:
         head = texts("strip.lesson", number=float(lesson.number), title=lesson.title)
         text, watches = _said(report, texts) or lesson.goal, run.watched == lesson.number
         if begun and not report.outcome and not run.note:
-            text = f"{text} {texts('strip.program', file=_short(run.programs[lesson.name]))}"
+            text = f"{text} {texts('strip.program', file=str(from_here(Path(run.programs[lesson.name]))))}"
         after = next((one.number for one in all_known if one.number > lesson.number), 1)
         check = RunLesson("end" if watches else "watch", lesson.number)
         read = button(texts, "strip.read", OpenLesson(lesson.number))
@@ -129,9 +130,3 @@ def _said(report: CheckReport, texts: Texts) -> str:
     if report.outcome in ("checks", "passed"):
         return texts(f"strip.{report.outcome}")
     return report.message
-
-
-def _short(file: str) -> str:
-    """Return a path from the working folder, if it is inside."""
-    path = Path(file)
-    return str(path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path)

@@ -136,9 +136,8 @@ class Guide:
             self._cheer_s = world.now_s
         if self.done >= len(TASKS) or self._reads:
             return
-        others_move = (
-            world.playing or world.block is not None or world.program.running
-        )  # none of them is a solution
+        # None of them is a solution.
+        others_move = world.playing or world.block is not None or world.program.running
         for side in () if others_move else SIDES:
             status, seen = world.side(side).status, world.side(side).reading
             own = status is None or status.holder in ("", world.seat)
