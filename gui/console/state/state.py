@@ -18,6 +18,7 @@ from gui.console.state import (
     intents,
     leases,
     missions,
+    music,
     own_gestures,
     pills,
     refusals,
@@ -46,7 +47,7 @@ def choose(memory: Memory, world: World, intent: Choose) -> list[Action]:
 
 TOPICS = (
     *(arms, blocks, class_page, commands, connecting, editor, gestures, leases),
-    *(own_gestures, refusals, sending, sequence, showing),
+    *(music, own_gestures, refusals, sending, sequence, showing),
 )
 HANDLES: Handles = {
     Choose: choose,
@@ -59,9 +60,9 @@ class State:
 
     def __init__(self, saved: Saved = DEFAULTS) -> None:
         """Begin with saved choices."""
-        self._memory = Memory(Choices(**remembered(saved)), saved.poses)
+        self._memory = Memory(Choices(**remembered(saved)), saved.poses, saved.music)
         self._guide = missions.Guide(saved.guided)
-        self._watched = eyes.NOTHING
+        self._watched: tuple[Action, ...] = (*eyes.NOTHING, music.SILENT)
         self._handles: Handles = {
             **HANDLES,
             **dict.fromkeys(missions.HANDLED, self._guide.handle),
@@ -71,7 +72,7 @@ class State:
     def saved(self) -> Saved:
         """The choices for the next window."""
         kept = remembered(self._memory.choices)
-        return Saved(**kept, poses=self._memory.poses, guided=self._guide.done)
+        return Saved(**kept, poses=self._memory.poses, music=self._memory.music, guided=self._guide.done)
 
     @property
     def choices(self) -> Choices:
@@ -96,6 +97,7 @@ class State:
             gestures=gestures.view(memory, world),
             blocks=blocks.view(memory, world),
             sequence=sequence.view(memory, world),
+            music=music.view(memory, world),
             eyes=eyes.view(memory, world),
             sound=eyes.sound(memory, world),
             room=eyes.room(memory, world),
@@ -124,7 +126,8 @@ class State:
 
     def _watch(self, world: World) -> list[Action]:
         """Return the changes of subscriptions since the last call."""
-        before, self._watched = self._watched, eyes.watched(self._memory.choices, world)
+        found = (*eyes.watched(self._memory.choices, world), music.watched(self._memory))
+        before, self._watched = self._watched, found
         return [action for action in self._watched if action not in before]
 
     def celebration(self, world: World) -> list[Action]:
