@@ -11,7 +11,7 @@ from PyQt5.QtCore import QUrl, pyqtSignal
 from PyQt5.QtGui import QDesktopServices, QTextCursor
 from PyQt5.QtWidgets import QFileDialog, QMenu, QPlainTextEdit, QSizePolicy
 
-from gui.console.state.actions import OpenProgram, WriteProgram
+from gui.console.state.actions import EXAMPLES, OpenProgram, WriteProgram
 from gui.console.state.intents import Intent, Theme
 from gui.console.state.views import CodeView
 from gui.console.texts import Texts
@@ -41,7 +41,8 @@ class CodePanel(FilePanel):
         self.output.setFont(self.program.font())
         menu = QMenu(self.file)
         menu.addAction(texts("code.from_presses"), lambda: self.intent.emit(OpenProgram()))
-        menu.addAction(texts("code.open"), self._open)
+        menu.addAction(texts("code.open"), lambda: self._open())
+        menu.addAction(texts("code.examples"), lambda: self._open(EXAMPLES))
         menu.addAction(texts("code.save_as"), self._save_as)
         self.editor = menu.addAction(texts("code.editor"), self._edit_elsewhere)
         self.file.setMenu(menu)
@@ -84,16 +85,22 @@ class CodePanel(FilePanel):
             self._text = self._shown = text
             self.intent.emit(WriteProgram(text))
 
-    def _open(self) -> None:
-        self._choose("open", QFileDialog.AcceptMode.AcceptOpen, OpenProgram)
+    def _open(self, folder: Path | None = None) -> None:
+        self._choose("open", QFileDialog.AcceptMode.AcceptOpen, OpenProgram, folder)
 
     def _save_as(self) -> None:
         saves = QFileDialog.AcceptMode.AcceptSave
         self._choose("save_as", saves, lambda file: WriteProgram(self._text, file))
 
-    def _choose(self, name: str, mode: QFileDialog.AcceptMode, made: Callable[[Path], Intent]) -> None:
+    def _choose(
+        self,
+        name: str,
+        mode: QFileDialog.AcceptMode,
+        made: Callable[[Path], Intent],
+        folder: Path | None = None,
+    ) -> None:
         if (view := self._view) is not None:
-            folder = view.folder if view.file is None else view.file.parent
+            folder = folder or view.folder if view.file is None else view.file.parent
             self.choose_file(self._texts(f"code.{name}"), mode, "py", made, folder=folder)
 
     def _edit_elsewhere(self) -> None:
