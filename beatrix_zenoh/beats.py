@@ -1,7 +1,7 @@
 """The beat of music with a steady tempo: how fast, and when the first beat is.
 
-Onsets are where the spectrum grows (spectral flux; Bello et al. 2005). Autocorrelation finds the period, and the Fourier
-component of the onsets near it the exact period and the phase (Grosche and Müller 2011).
+Onsets are where the spectrum grows (spectral flux; Bello et al. 2005). Autocorrelation finds the period, and the
+Fourier components near it the exact period and the phase (Grosche and Müller 2011).
 """
 
 from __future__ import annotations
@@ -24,8 +24,11 @@ CLEAR: Final = 0.25
 """Least autocorrelation of a beat; noise has less."""
 ALIKE: Final = 0.75
 """A faster tempo is the beat if its autocorrelation is this part of the best one: each second beat fits as well."""
-LOUD: Final = 0.3
+LOUD: Final = 0.5
 """The first beat has this part of the strongest onset."""
+BANDS, LOWEST_HZ = 16, 40.0
+"""Frequency bands in which onsets are sought."""
+HARMONICS: Final = np.arange(1, 5)
 CHUNK: Final = 1 << 12
 """Frames whose spectra are in memory at once."""
 
@@ -68,11 +71,17 @@ def _onsets(samples: npt.NDArray[np.generic], rate: float) -> tuple[Floats, floa
     size = 1 << round(math.log2(rate / 25))
     samples = np.pad(samples, (size, 0))  # else an onset at the very beginning would not be seen
     starts = (np.arange(int((len(samples) - size) / rate * HZ)) * rate / HZ).astype(np.int64)
-    window, last = np.hanning(size), np.zeros(size // 2 + 1)
+    window, last = np.hanning(size), np.zeros(BANDS)
+    scale = (
+        float(np.abs(samples.astype(np.float64)).max()) or 1.0
+    )  # loud and quiet files have the same onsets
+    edges = np.geomspace(LOWEST_HZ, 0.45 * rate, BANDS + 1)
+    hz = np.fft.rfftfreq(size, 1 / rate)[:, None]
+    bands = ((hz >= edges[:-1]) & (hz < edges[1:])).astype(np.float64)  # a drum counts as much as a cymbal
     flux: list[Floats] = []
     for at in range(0, len(starts), CHUNK):
         frames = samples[starts[at : at + CHUNK, None] + np.arange(size)] * window
-        loud = np.log1p(np.abs(np.fft.rfft(frames)) / size * 100 / _scale(samples))
+        loud = np.log1p(np.abs(np.fft.rfft(frames)) @ bands / size * 100 / scale)
         grown = np.diff(loud, axis=0, prepend=last[None] if at else loud[:1])
         flux.append(np.maximum(grown, 0.0).sum(axis=1))
         last = loud[-1]
@@ -81,16 +90,17 @@ def _onsets(samples: npt.NDArray[np.generic], rate: float) -> tuple[Floats, floa
     ), -0.3 * size / rate  # an onset is heard before it reaches the middle of the window
 
 
-def _scale(samples: npt.NDArray[np.generic]) -> float:
-    """Return the loudest sample, so that loud and quiet files have the same onsets."""
-    return float(max(abs(int(samples.max())), abs(int(samples.min())))) or 1.0
-
-
 def _exact(centred: Floats, about: float) -> tuple[float, float]:
-    """Return period and phase (frames) of the strongest Fourier component within 2.5 % of a period."""
-    at, width = np.arange(len(centred)), min(0.025, about / len(centred) * 4)
-    count = max(9, math.ceil(width * len(centred) / about * 16)) | 1
+    """Return period and phase (frames) of the pulses that fit best, near a period.
+
+    Several harmonics make the pulses short, so that weak off-beats do not move the phase.
+    """
+    at, width = np.arange(len(centred)), 1.2 / about
+    count = math.ceil(2 * width * 16 * len(centred) / about) + 8
     periods = about * np.linspace(1 - width, 1 + width, count)
-    found = np.array([centred @ np.exp(2j * math.pi * at / period) for period in periods])
-    best = int(np.argmax(np.abs(found)))
-    return float(periods[best]), float(np.angle(found[best]) / (2 * math.pi) % 1.0 * periods[best])
+    turns = np.exp(2j * math.pi * at / periods[:, None])
+    found = np.stack([turns**harmonic @ centred for harmonic in HARMONICS])
+    phases = np.arange(128) / 128
+    fits = np.real(found.T @ np.exp(-2j * math.pi * np.outer(HARMONICS, phases)))
+    best, phase = np.unravel_index(int(np.argmax(fits)), fits.shape)
+    return float(periods[best]), float(phases[phase] * periods[best])

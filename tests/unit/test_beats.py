@@ -26,7 +26,7 @@ def clicks(bpm: float, first_s: float, rate: int, noise: float, loud: float, sec
     st.floats(60, 180),
     st.floats(0, 1.5),
     st.sampled_from([22_050, 44_100, 48_000]),
-    st.floats(1e-4, 0.05),
+    st.floats(1e-4, 0.02),
     st.sampled_from([500.0, 30_000.0]),
     st.floats(7, 15),
 )

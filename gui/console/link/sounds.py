@@ -15,12 +15,13 @@ import threading
 import wave
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from gui.console.link.jobs import Jobs
 from gui.console.state.actions import UseSounds
+from gui.console.state.saved import DURATION_MAX_S
 from gui.console.state.world import MusicProgress, Trouble
 
 if TYPE_CHECKING:
@@ -44,15 +45,6 @@ END_S: Final = 0.5
 """Time in which a killed player is gone."""
 
 
-@dataclass(frozen=True)
-class Tune:
-    """Music that was read."""
-
-    sound: Wav
-    first: int
-    """frame of its first beat"""
-
-
 class Sounds:
     """Reads the music, and plays one file at a time; any thread may call the methods, and only `track` takes long."""
 
@@ -60,15 +52,16 @@ class Sounds:
         """Start nothing yet."""
         self._jobs, self._lock = jobs, threading.Lock()
         self._on = True
-        self._tune: Tune | None = None
+        self._tune: Wav | None = None
+        """the music from its first beat"""
         self._player: subprocess.Popen[bytes] | None = None
         self._progress = MusicProgress()
 
     def progress(self) -> MusicProgress:
         """Return what is known of the music, and whether the player has failed."""
-        child = self._player
-        if child is not None and child.poll():
-            self._fail()
+        with self._lock:
+            if self._player is not None and self._player.poll():
+                self._fail()
         return self._progress
 
     def use(self, action: UseSounds) -> None:
@@ -94,8 +87,9 @@ class Sounds:
             found = MusicProgress(file, trouble=trouble)
         else:
             steady = beats.find(sound.samples[:, 0], sound.rate)
-            tune = Tune(sound, 0 if steady is None else round(steady.first_s * sound.rate))
-            found = MusicProgress(file, ready=True, beat_s=0.0 if steady is None else steady.period_s)
+            first_s, beat_s = steady or (0.0, 0.0)
+            tune = sound._replace(samples=sound.samples[round(first_s * sound.rate) :])
+            found = MusicProgress(file, ready=True, beat_s=beat_s)
         if self._progress.file == file:  # the user may have chosen another one meanwhile
             self._tune, self._progress = tune, found
 
@@ -108,34 +102,33 @@ class Sounds:
         tune, tones = self._tune, [(at_s, note) for at_s, note in zip(begins_s, notes, strict=False) if note]
         if not self._on or (tune is None and not tones):
             return None
-        sound = Wav(np.zeros((0, 1), np.int16), RATE) if tune is None else tune.sound
-        mixed = with_tones(sound, 0 if tune is None else tune.first, tones)
-        number, name = tempfile.mkstemp(".wav", "beatrix-")
-        with os.fdopen(number, "wb") as file, wave.open(file, "wb") as out:
-            out.setnchannels(1)
-            out.setsampwidth(2)
-            out.setframerate(sound.rate)
-            out.writeframes(mixed.tobytes())
+        sound = Wav(np.zeros((0, 1), np.int16), RATE) if tune is None else tune
+        longest = round((max(begins_s) + DURATION_MAX_S) * sound.rate)
+        mixed = with_tones(sound._replace(samples=sound.samples[:longest]), tones)
+        try:
+            number, name = tempfile.mkstemp(".wav", "beatrix-")
+            with os.fdopen(number, "wb") as file, wave.open(file, "wb") as out:
+                out.setparams((1, 2, sound.rate, 0, "NONE", ""))
+                out.writeframes(mixed.tobytes())
+        except OSError:  # a full disk ends no dance
+            self._fail()
+            return None
         return Path(name)
 
     def play(self, track: Path) -> None:
         """Play a track from its beginning, instead of the present one; without a player it is only reported."""
         self.silence()
-        command = player(sys.platform)
+        command, null = player(sys.platform), subprocess.DEVNULL
         with self._lock:
             if not self._on:
                 return
             if self._progress.ready or not self._progress.file:
                 self._progress = replace(self._progress, trouble=None)
             try:
-                if command is None:
-                    raise FileNotFoundError
-                null = subprocess.DEVNULL
                 words = (*command, str(track))
                 self._player = subprocess.Popen(words, stdin=null, stdout=null, stderr=null)
-            except OSError:
+            except OSError:  # there is no such program
                 self._fail()
-                return
 
     def silence(self) -> None:
         """End the player at once."""
@@ -151,11 +144,11 @@ class Sounds:
         self._progress = replace(self._progress, trouble=Trouble("trouble.no_player"))
 
 
-def player(platform: str) -> tuple[str, ...] | None:
-    """Return the command that plays a WAV file on a platform; None: there is none."""
+def player(platform: str) -> tuple[str, ...]:
+    """Return the command that plays a WAV file on a platform."""
     if platform == "win32":
         return sys.executable, "-I", "-c", WINDOWS
-    return next((words for words in PLAYERS if shutil.which(words[0])), None)
+    return next((words for words in PLAYERS if shutil.which(words[0])), PLAYERS[0])
 
 
 def decoded(file: Path) -> Wav:
@@ -176,9 +169,9 @@ def decoded(file: Path) -> Wav:
         if file.suffix.lower() == ".wav":
             raise
         sound = decoded_by_av(file)
-    if sound.samples.shape[1] > 1:
-        sound = sound._replace(samples=np.rint(sound.samples.mean(axis=1)).astype("<i2")[:, None])
-    return sound
+    channels = sound.samples.shape[1]
+    mono = sound.samples.sum(axis=1, dtype=np.int32, keepdims=True) // channels
+    return sound._replace(samples=mono.astype(np.int16))
 
 
 def decoded_by_av(file: Path) -> Wav:
@@ -188,30 +181,27 @@ def decoded_by_av(file: Path) -> Wav:
 
     from beatrix_zenoh.wav import Wav  # noqa: PLC0415
 
-    if not file.is_file():
-        raise FileNotFoundError(file)
     parts: list[Samples] = []
     resampler = av.AudioResampler("s16", "mono", RATE)
     try:
         with av.open(str(file)) as container:
             for frame in container.decode(audio=0):
                 parts.extend(part.to_ndarray()[0] for part in resampler.resample(frame))
-                if len(parts) * parts[0].size > LONGEST_S * RATE:
+                if (frame.time or 0.0) > LONGEST_S:
                     raise ValueError("too long")
     except (av.FFmpegError, IndexError) as error:
         raise ValueError(str(error)) from error
     return Wav(np.concatenate(parts)[:, None], RATE)
 
 
-def with_tones(sound: Wav, first: int, tones: Sequence[tuple[float, int]]) -> Samples:
-    """Return mono samples from a frame on, with tones: when each one begins (s), and its number from 1."""
+def with_tones(sound: Wav, tones: Sequence[tuple[float, int]]) -> Samples:
+    """Return mono samples with tones: when each one begins (s), and its number from 1."""
     import numpy as np  # noqa: PLC0415
 
     rate, length = sound.rate, round(TONE_S * sound.rate)
-    heard = sound.samples[first:, 0]
     ends = [round(at_s * rate) + length for at_s, _ in tones]
-    mixed = np.zeros(max(len(heard), *ends, 0), np.int16)
-    mixed[: len(heard)] = heard
+    mixed = np.zeros(max(len(sound.samples), *ends, 0), np.int16)
+    mixed[: len(sound.samples)] = sound.samples[:, 0]
     t_s = np.arange(length) / rate
     envelope = np.minimum(1.0, t_s / 0.005) * np.exp(-t_s / 0.12) * 9000
     for end, (_, note) in zip(ends, tones, strict=True):

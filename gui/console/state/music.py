@@ -50,7 +50,7 @@ def view(memory: Memory, world: World) -> MusicView:
         text, title, off = texts("music.tempo", tempo=tempo), texts("music.beats", tempo=tempo, file=name), ""
     elif music.file:
         title, off = texts("music.steady" if music.ready else "music.reading", file=name), "off.no_beat"
-    if (trouble := music.trouble) is not None:
+    if (trouble := music.trouble) is not None and not music.ready:
         title = texts(trouble.key, **trouble.slots)
     off = off if memory.poses else sequence.NONE
     none = "" if music.file else "off.no_music"

@@ -41,7 +41,7 @@ class CodePanel(FilePanel):
         self.output.setFont(self.program.font())
         menu = QMenu(self.file)
         menu.addAction(texts("code.from_presses"), lambda: self.intent.emit(OpenProgram()))
-        menu.addAction(texts("code.open"), lambda: self._open())
+        menu.addAction(texts("code.open"), lambda: self._open(None))
         menu.addAction(texts("code.examples"), lambda: self._open(EXAMPLES))
         menu.addAction(texts("code.save_as"), self._save_as)
         self.editor = menu.addAction(texts("code.editor"), self._edit_elsewhere)
@@ -85,7 +85,7 @@ class CodePanel(FilePanel):
             self._text = self._shown = text
             self.intent.emit(WriteProgram(text))
 
-    def _open(self, folder: Path | None = None) -> None:
+    def _open(self, folder: Path | None) -> None:
         self._choose("open", QFileDialog.AcceptMode.AcceptOpen, OpenProgram, folder)
 
     def _save_as(self) -> None:

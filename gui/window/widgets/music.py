@@ -53,7 +53,7 @@ class MusicMenu(FilePanel):
         self.choose.setText(view.text)
         name, tip = self._texts("music.name"), self._texts("music.tip")
         named(self.choose, f"{name}: {view.title}", f"{view.title}\n{tip}")
-        self.title.setText(view.title)
+        self.title.setText(view.title.partition(". ")[0])  # a menu is as wide as its longest line
         for entry, shown in ((self.snap, view.snap), (self.remove, view.remove)):
             entry.setEnabled(shown.enabled)
             entry.setToolTip(shown.tooltip)

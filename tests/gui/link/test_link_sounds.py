@@ -91,7 +91,7 @@ def test_what_cannot_be_read_has_a_sentence(
 
 def test_tones_begin_at_their_times() -> None:
     silence = Wav(np.zeros((RATE, 1), np.int16), RATE)
-    heard = sounds.with_tones(silence, 0, [(0.5, 6), (2.0, 1)])
+    heard = sounds.with_tones(silence, [(0.5, 6), (2.0, 1)])
     assert not heard[: RATE // 2].any()
     for at_s, hertz in ((0.5, 440.0), (2.0, 261.6)):
         part = heard[round(at_s * RATE) :][: round(0.4 * RATE)]
@@ -103,7 +103,7 @@ def test_stop_ends_the_player_and_without_one_the_dance_goes_on(
     linked: Linked, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     poses = (ArmPose(0.0, 2.0, 0.0, 0.0, 10.0), ArmPose(0.5, 0.0, 0.0, 0.0, 10.0))
-    monkeypatch.setattr(sounds, "player", lambda _platform: None)
+    monkeypatch.setattr(sounds, "player", lambda _platform: ("no-such-player",))
     linked.do(Play(1, ("sim",), poses, notes=(1, 2)))
     assert linked.end_of(1, "sim").accepted
     trouble = linked.world.music.trouble
