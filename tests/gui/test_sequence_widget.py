@@ -24,6 +24,7 @@ from gui.console.state.intents import (
     SetDuration,
     UndoSequence,
 )
+from gui.console.state.music import SetNote
 from gui.console.state.saved import Saved, SavedPose
 from gui.window.widgets.sequence import Strip
 from gui.window.window import Window
@@ -156,3 +157,16 @@ def test_loop_and_files_report_their_intents(
         panel.dialog.fileSelected.emit(str(file))
         assert intents() == [made]
         panel.dialog.close()
+
+
+def test_a_tone_and_the_switch_of_all_sounds_are_in_menus(
+    window: Window, strip: Strip, state: WatchedState, intents: Taken
+) -> None:
+    panels = window.panels
+    strip.setCurrentRow(1)
+    panels.sequence.music.notes[3].trigger()
+    panels.header.choices["sounds"].trigger()
+    assert intents() == [SetNote("left", 3), Choose("sounds", value=False)]
+    window.refresh()
+    assert strip.item(1).text().endswith("2.0 s e'")
+    assert not panels.header.choices["sounds"].isChecked()
