@@ -96,6 +96,7 @@ class Panels(QWidget):
         self.history = self._add(HistoryPanel(texts), lambda view: view.history)
         self.code = self._add(CodePanel(texts), lambda view: view.code)
         self.sequence = self._add(SequencePanel(texts), lambda view: view.sequence)
+        self._add(self.sequence.music, lambda view: view.music)
         self.gestures = self._add(GesturesPanel(texts), lambda view: view.gestures)
         self.eyes = self._add(EyesPanel(texts), lambda view: view.eyes)
         self._add(self.eyes.sound, lambda view: view.sound)

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import pytest
 from gui_windows import drag
+from present import present
 from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
 from pytestqt.qtbot import QtBot
@@ -22,6 +23,7 @@ from gui.console.state.intents import (
     SetDuration,
     UndoSequence,
 )
+from gui.console.state.music import SetNote
 from gui.console.state.saved import Saved, SavedPose
 from gui.window.widgets.sequence import Strip
 from gui.window.window import Window
@@ -140,3 +142,16 @@ def test_loop_and_copy_report_their_intents(window: Window, strip: Strip, intent
     QTest.mouseClick(panel.loop, LEFT, pos=QPoint(8, panel.loop.height() // 2))
     QTest.mouseClick(panel.duplicate, LEFT)
     assert intents() == [Choose("loop", value=True), DuplicatePose("nod")]
+
+
+def test_a_tone_and_the_switch_of_all_sounds_are_in_menus(
+    window: Window, strip: Strip, state: WatchedState, intents: Taken
+) -> None:
+    panels = window.panels
+    strip.setCurrentRow(1)
+    panels.sequence.music.notes[3].trigger()
+    panels.header.choices["sounds"].trigger()
+    assert intents() == [SetNote("left", 3), Choose("sounds", value=False)]
+    window.refresh()
+    assert present(strip.item(1)).text().endswith("2.0 s e'")
+    assert not panels.header.choices["sounds"].isChecked()

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import runpy
 import wave
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from robots import Stage
 
 from beatrix_zenoh import Robot
+from beatrix_zenoh.client.motion import Motion
 from beatrix_zenoh.client.sound import Sound
 from beatrix_zenoh.contract.errors import WrongUsage
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "beatrix_zenoh/examples"
 
 
 @pytest.fixture(scope="module")
@@ -59,6 +64,22 @@ def test_a_file_of_a_client_is_heard_at_its_pitch(robot: Robot, tmp_path: Path) 
     sound = robot.listen(0.5)
     spectrum = np.abs(np.fft.rfft(sound.left))
     assert spectrum.argmax() * sound.rate / len(sound.left) == pytest.approx(800.0, abs=2.0)
+
+
+def test_a_program_nods_at_a_clap(robot: Robot) -> None:
+    program = runpy.run_path(str(EXAMPLES / "nod_at_a_clap.py"))
+    nods: list[float] = []
+
+    def look(pitch: float, speed: float, *, wait: bool) -> Motion:
+        nods.append(pitch)
+        if len(nods) == 2:
+            raise KeyboardInterrupt
+        return robot.look(pitch=pitch, speed=speed, wait=wait)
+
+    robot.play_sound("clap", 20)
+    with pytest.raises(KeyboardInterrupt):
+        program["nod"]([SimpleNamespace(microphones=robot.microphones, look=look)])
+    assert nods == [program["NOD"], 0.0]
 
 
 def test_a_place_without_height_and_a_sound_without_length_are_refused(robot: Robot) -> None:

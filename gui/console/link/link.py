@@ -73,13 +73,18 @@ class Link:
             settings, jobs, self._follow, name_given=name_given, source=source, shared=shared
         )
         self.moving = Moving(jobs, report)
-        self._editor = Editor()
-        self._stop_sender = StopSender("window")
+        self._editor, self._stop_sender = Editor(), StopSender("window")
         self._lessons, self._gestures = LessonReports(jobs), OwnGestures(jobs, report)
         period_s = PROBE_S if shared is None else PROBE_SHARED_S
         self._probes = {side: Probe(side, jobs, period_s) for side in SIDES}
         probes = (probe.look for probe in self._probes.values())
-        self._looks = (*probes, self._lessons.look, self.moving.person.look)
+        router = self._connection.look
+        self._looks = (
+            lambda _session, now_s: router(now_s),
+            *probes,
+            self._lessons.look,
+            self.moving.person.look,
+        )
         """what asks robots again when it is time"""
         self._children = Children(jobs, self._connection.try_now)
         self._recordings, self._ports = Recordings(jobs), Ports(jobs)
@@ -112,7 +117,6 @@ class Link:
         latency_s = {} if robot else {side: probe.round_trip_s for side, probe in self._probes.items()}
         (sim, hw), now_s = connection.states(robot := robot or connection.robot), time.monotonic()
         session, settings, account = connection.session, connection.settings, connection.settings.account
-        connection.look(now_s)
         for look in self._looks:
             look(session, now_s)
         return World(
@@ -130,6 +134,7 @@ class Link:
             plan=moving.plan,
             recording=self._recordings.progress(),
             picture=self._filming.progress(),
+            music=moving.sounds.progress(),
             starting=self._children.starts(SIMULATION),
             connecting=self._children.starts(HARDWARE),
             own_hardware=self._children.runs(HARDWARE),
@@ -175,6 +180,7 @@ class Link:
             actions.Retry: lambda _: connection.try_now(),
             actions.ChooseRobot: lambda action: self._select(action.name),
             actions.Watch: self._watch,
+            actions.UseSounds: moving.sounds.use,
             actions.MovePerson: moving.person.move,
             actions.LetSpeak: lambda action: moving.person.speak(on=action.on),
             actions.Govern: online(self._govern),

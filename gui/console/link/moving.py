@@ -25,6 +25,7 @@ from gui.console.link.outcomes import WindowError, done, failed, replaced
 from gui.console.link.person import SimulatedPerson
 from gui.console.link.programs import ProgramRun
 from gui.console.link.request import OneMotion, Program, Question, Report, RobotRequest, TwinMotionRequest
+from gui.console.link.sounds import Sounds
 from gui.console.state import actions
 from gui.console.state.actions import Outcome
 from gui.console.state.world import PlanProgress, ProgramProgress
@@ -48,7 +49,7 @@ class Moving:
     def __init__(self, jobs: Jobs, report: Report) -> None:
         """Store the arguments; `report` is called with the outcomes of requests."""
         self._jobs, self._report = jobs, report
-        self.person = SimulatedPerson(jobs)
+        self.person, self.sounds = SimulatedPerson(jobs), Sounds(jobs)
         self._python: ProgramRun | None = None
         """the program of Python that was started last"""
         self._lock = threading.Lock()
@@ -96,7 +97,7 @@ class Moving:
             case actions.Send(row=row, query=query):
                 self._put(OneMotion(row, robots[0], query))
             case actions.Play():
-                self._put(Playing(action, twin if len(robots) > 1 else robots[0]))
+                self._put(Playing(action, twin if len(robots) > 1 else robots[0], self.sounds))
             case actions.RunBlocks():
                 self._put(BlockRun(action, twin if len(robots) > 1 else robots[0]))
             case actions.SendCommand(row=row, command=command, value=value):

@@ -132,6 +132,8 @@ class Play(Action, frozen=True):
     lead_s: float = 0.0
     gesture: str = ""
     """name of a shipped choreography, or of a gesture of the user; empty: the poses are played"""
+    notes: tuple[int, ...] = ()
+    """tone of each pose, as of `SavedPose`"""
 
     @property
     def title(self) -> str:
@@ -243,6 +245,14 @@ class FetchGestures(Action, frozen=True):
     """Write the gestures of the class to the folder of the user; of pupils those that the teacher has shared."""
 
     row: int = NEW
+
+
+class UseSounds(Action, frozen=True):
+    """Play music and tones with sequences, or be silent."""
+
+    on: bool
+    music: str = ""
+    """path; empty: none"""
 
 
 class Watch(Action, frozen=True):

@@ -56,7 +56,7 @@ def last(memory: Memory, world: World) -> str:
     texts = memory.choices.texts
     for key, told in _news(memory, world):
         if isinstance(told, Trouble):
-            return texts(key, text=texts(told.key, code=told.code))
+            return texts(key, text=texts(told.key, code=told.code, **told.slots))
         return texts(key, file=str(told))
     if not memory.rows:
         return texts("last.none")

@@ -138,6 +138,8 @@ class Memory:
     choices: Choices
     poses: tuple[SavedPose, ...] = ()
     """the sequence, whose names are unique"""
+    music: str = ""
+    """path of the music beside it; empty: none"""
     sequence_undo: tuple[tuple[SavedPose, ...], ...] = ()
     """the poses before each change, oldest first"""
     begun: tuple[int, tuple[object, ...]] = (0, ())

@@ -27,6 +27,8 @@ LEAD_MAX_S: Final = 3600.0
 
 DURATION_MAX_S: Final = 60.0
 """Longest duration of a pose (s)."""
+NOTES: Final = 8
+"""Number of tones."""
 
 
 class SavedPose(msgspec.Struct, frozen=True):
@@ -37,6 +39,8 @@ class SavedPose(msgspec.Struct, frozen=True):
     middle: float
     long: float
     duration_s: Annotated[float, Meta(ge=0, le=DURATION_MAX_S)] = 1.0
+    note: Annotated[int, Meta(ge=0, le=NOTES)] = 0
+    """tone at its beginning, 1 to NOTES: c' to c''; 0: none"""
 
     @property
     def arms(self) -> tuple[float, float, float]:
@@ -64,12 +68,16 @@ class Remembered(msgspec.Struct, frozen=True):
     """whether the user sees the head from the front; then the pad, the cards and the arrow keys are mirrored"""
     simple: bool = False
     """whether the window shows only what a beginner needs; a new user begins so"""
+    sounds: bool = True
+    """whether music and tones are heard while a sequence plays"""
 
 
 class Saved(Remembered, frozen=True):
     """All that is kept for the next window."""
 
     poses: tuple[SavedPose, ...] = ()
+    music: str = ""
+    """path of the music beside the poses; empty: none"""
     guided: Annotated[int, Meta(ge=0, le=99)] = 0
     """how many of `missions.TASKS` are done; 99: the strip is closed"""
 

@@ -61,7 +61,8 @@ def view(memory: Memory, world: World) -> SequenceView:
             duration = texts("sequence.least", seconds=short[number])
             problem = texts("sequence.too_short", seconds=short[number])
         place = None if head is None else HeadOrientation(*head)
-        return CardView(pose.name, place, pose.duration_s, duration, problem)
+        beats = pose.duration_s / world.music.beat_s if world.music.beat_s else 0.0
+        return CardView(pose.name, place, pose.duration_s, duration, problem, beats, pose.note)
 
     whole_s = float(sum(pose.duration_s for pose in poses))
     play = "" if online(world, "sim") else "off.sequence_sim"
@@ -160,6 +161,11 @@ def _free(poses: tuple[SavedPose, ...], name: str) -> str:
     return next(new for count in range(2, len(poses) + 3) if (new := f"{stem}-{count}") not in names)
 
 
+def _posed(name: str, arms: ArmAngles) -> SavedPose:
+    short, middle, long = (round(angle, 3) + 0.0 for angle in arms)
+    return SavedPose(name, short, middle, long)
+
+
 def _add(memory: Memory, world: World, intent: intents.AddPose) -> list[Action]:
     """Add the target of the pad, if the user has set one, else the present pose.
 
@@ -177,7 +183,7 @@ def _add(memory: Memory, world: World, intent: intents.AddPose) -> list[Action]:
         return memory.refuse(CONTROL, "off.no_position")
     name = intent.name.strip() or f"{memory.choices.texts('sequence.auto_name')}-1"
     before = ArmAngles(*memory.poses[-1].arms) if memory.poses else timing.HOME
-    pose = SavedPose(_free(memory.poses, name), *(round(angle, 3) + 0.0 for angle in arms))
+    pose = _posed(_free(memory.poses, name), arms)
     duration_s = timing.comfortable(before, pose, memory.choices.speed, timing.limits_of(world))
     return change(memory, (*memory.poses, structs.replace(pose, duration_s=duration_s)))
 
@@ -207,12 +213,13 @@ def _play(
 ) -> Play:
     """Return the play of poses whose first one begins at `start`."""
     steps = tuple(timing.timed(poses, start, limits))
+    notes = tuple(pose.note for pose in poses)
     if not loop:
-        return Play(NEW, (side,), steps)
+        return Play(NEW, (side,), steps, notes=notes)
     last = ArmAngles(*poses[-1].arms)
     holds = len(poses) > 1 and timing.way(ArmAngles(*poses[-2].arms), poses[-1]) < timing.SAME_DEG
     again = timing.timed(poses, last, limits, poses[-1].duration_s if holds else 0.0)
-    return Play(NEW, (side,), steps, tuple(again))
+    return Play(NEW, (side,), steps, tuple(again), notes=notes)
 
 
 def refuse_short(memory: Memory, start: ArmAngles, limits: LimitsData, *, loop: bool) -> bool:
@@ -267,7 +274,7 @@ def _read(steps: list[tuple[str, Step]], limits: LimitsData) -> tuple[SavedPose,
             arms = timing.arms_of(HeadAngles(step.yaw, step.pitch, step.roll))
         else:
             arms = ArmAngles(step.short, step.middle, step.long)
-        pose = SavedPose(_free(poses, title), *(round(angle, 3) + 0.0 for angle in arms))
+        pose = _posed(_free(poses, title), arms)
         own_s = timing.shortest(here, pose, timing.at_speed(limits, step.speed))
         duration_s = following.at - step.at if following is not step else own_s
         duration_s = round(min(DURATION_MAX_S, max(DURATION_MIN_S, duration_s)), 1)

@@ -76,22 +76,30 @@ def timed(
     return steps
 
 
-def too_short(
+def shortest_of(
     poses: tuple[SavedPose, ...], start: ArmAngles | None, limits: LimitsData, *, loop: bool
-) -> dict[int, float]:
-    """Return the shortest possible duration (s) of each pose that cannot be reached in its duration, by its number.
+) -> list[float]:
+    """Return the shortest possible duration (s) of each pose.
 
-    `start`: arms (deg) before the first pose; None: unknown, so the first pose is checked only in a loop.
+    `start`: arms (deg) before the first pose; None: unknown, so that of the first pose is 0, except in a loop.
     """
-    found: dict[int, float] = {}
+    found: list[float] = []
     for number, pose in enumerate(poses):
         before = [start] if number == 0 and start is not None else []
         if number or (loop and len(poses) > 1):
             before.append(ArmAngles(*poses[number - 1].arms))
-        least_s = max((shortest(place, pose, limits) for place in before), default=0.0)
-        if least_s > pose.duration_s + 1e-6:
-            found[number] = least_s
+        found.append(max((shortest(place, pose, limits) for place in before), default=0.0))
     return found
+
+
+def too_short(
+    poses: tuple[SavedPose, ...], start: ArmAngles | None, limits: LimitsData, *, loop: bool
+) -> dict[int, float]:
+    """Return what `shortest_of` does for each pose that cannot be reached in its duration, by its number."""
+    least = shortest_of(poses, start, limits, loop=loop)
+    return {
+        number: least[number] for number, pose in enumerate(poses) if least[number] > pose.duration_s + 1e-6
+    }
 
 
 @lru_cache(maxsize=1024)

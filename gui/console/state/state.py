@@ -18,6 +18,7 @@ from gui.console.state import (
     intents,
     leases,
     missions,
+    music,
     own_gestures,
     pills,
     refusals,
@@ -45,7 +46,7 @@ def choose(memory: Memory, world: World, intent: Choose) -> list[Action]:
 
 TOPICS = (
     *(arms, blocks, class_page, commands, connecting, editor, gestures, leases),
-    *(own_gestures, refusals, sending, sequence),
+    *(music, own_gestures, refusals, sending, sequence),
 )
 HANDLES: Handles = {
     Choose: choose,
@@ -58,9 +59,9 @@ class State:
 
     def __init__(self, saved: Saved = DEFAULTS) -> None:
         """Begin with saved choices."""
-        self._memory = Memory(Choices(**remembered(saved)), saved.poses)
+        self._memory = Memory(Choices(**remembered(saved)), saved.poses, saved.music)
         self._guide = missions.Guide(saved.guided)
-        self._watched = Watch()
+        self._watched: tuple[Action, ...] = (Watch(), music.SILENT)
         self._handles: Handles = {
             **HANDLES,
             **dict.fromkeys(missions.HANDLED, self._guide.handle),
@@ -70,7 +71,7 @@ class State:
     def saved(self) -> Saved:
         """The choices for the next window."""
         kept = remembered(self._memory.choices)
-        return Saved(**kept, poses=self._memory.poses, guided=self._guide.done)
+        return Saved(**kept, poses=self._memory.poses, music=self._memory.music, guided=self._guide.done)
 
     @property
     def choices(self) -> Choices:
@@ -95,6 +96,7 @@ class State:
             gestures=gestures.view(memory, world),
             blocks=blocks.view(memory, world),
             sequence=sequence.view(memory, world),
+            music=music.view(memory, world),
             eyes=eyes.view(memory, world),
             sound=eyes.sound(memory, world),
             room=eyes.room(memory, world),
@@ -122,9 +124,10 @@ class State:
         return self._watch(world)
 
     def _watch(self, world: World) -> list[Action]:
-        """Return what the window receives, if that has changed since the last call."""
-        before, self._watched = self._watched, eyes.watched(self._memory.choices, world)
-        return [] if self._watched == before else [self._watched]
+        """Return what the window receives and plays, as far as it has changed since the last call."""
+        found = (eyes.watched(self._memory.choices, world), music.watched(self._memory))
+        before, self._watched = self._watched, found
+        return [action for action in found if action not in before]
 
     def celebration(self, world: World) -> list[Action]:
         """Return the gesture with which the simulated head celebrates a task that was just done; usually none."""

@@ -312,6 +312,22 @@ class CardView:
     """the duration as text, the shortest one if it is too short, or a word if the limits do not allow the pose"""
     problem: str
     """why the pose cannot be reached, or not in its duration; empty: it can"""
+    beats: float = 0.0
+    """duration in beats of the music; 0: there is no beat"""
+    note: int = 0
+    """as of `SavedPose`"""
+
+
+@dataclass(frozen=True)
+class MusicView:
+    """The music beside the sequence, and the tones of its poses."""
+
+    text: str
+    """of the button"""
+    title: str
+    """a sentence about the music: its tempo, or why it cannot be used"""
+    snap: ButtonView
+    remove: ButtonView
 
 
 @dataclass(frozen=True)
@@ -507,6 +523,7 @@ class View:
     gestures: GesturesView
     blocks: BlocksView
     sequence: SequenceView
+    music: MusicView
     eyes: tuple[EyeView, ...]
     sound: SoundView
     history: tuple[HistoryRowView, ...]

@@ -117,6 +117,20 @@ class Person:
 
 
 @dataclass(frozen=True)
+class MusicProgress:
+    """The music beside the sequence."""
+
+    file: str = ""
+    """path; empty: there is none"""
+    ready: bool = False
+    """whether it was read"""
+    beat_s: float = 0.0
+    """time from beat to beat; 0: no steady beat is heard"""
+    trouble: Trouble | None = None
+    """why it cannot be read or played"""
+
+
+@dataclass(frozen=True)
 class PictureProgress:
     """A film under way, and the newest photo or film."""
 
@@ -254,6 +268,7 @@ class World:
     program: ProgramProgress = ProgramProgress()
     code: CodeProgress = CodeProgress()
     picture: PictureProgress = PictureProgress()
+    music: MusicProgress = MusicProgress()
     block: str | None = None
     """id of the block that runs, empty at the beginning of a program of blocks; None: no such program runs"""
     who: str = ""
@@ -350,4 +365,6 @@ def news(world: World) -> dict[str, Trouble | Path]:
         found["record.saved"] = recording.file
     if (picture := world.picture.trouble or world.picture.file) is not None:
         found["picture.trouble" if world.picture.trouble else "picture.saved"] = picture
+    if world.music.trouble is not None:
+        found["music.trouble"] = world.music.trouble
     return found

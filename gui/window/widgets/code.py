@@ -11,7 +11,7 @@ from PyQt5.QtCore import QUrl, pyqtSignal
 from PyQt5.QtGui import QDesktopServices, QTextCursor
 from PyQt5.QtWidgets import QFileDialog, QMenu, QPlainTextEdit, QSizePolicy
 
-from gui.console.state.actions import OpenProgram, WriteProgram
+from gui.console.state.actions import EXAMPLES, OpenProgram, WriteProgram
 from gui.console.state.intents import Intent, Theme
 from gui.console.state.views import CodeView
 from gui.console.texts import Texts
@@ -44,6 +44,7 @@ class CodePanel(FilePanel):
         opens, saves = QFileDialog.AcceptMode.AcceptOpen, QFileDialog.AcceptMode.AcceptSave
         save = lambda file: WriteProgram(self._text, file)  # noqa: E731
         menu.addAction(texts("code.open"), lambda: self._choose("open", opens, OpenProgram))
+        menu.addAction(texts("code.examples"), lambda: self._choose("open", opens, OpenProgram, EXAMPLES))
         menu.addAction(texts("code.save_as"), lambda: self._choose("save_as", saves, save))
         self.editor = menu.addAction(texts("code.editor"), self._edit_elsewhere)
         self.file.setMenu(menu)
@@ -86,9 +87,15 @@ class CodePanel(FilePanel):
             self._text = self._shown = text
             self.intent.emit(WriteProgram(text))
 
-    def _choose(self, name: str, mode: QFileDialog.AcceptMode, made: Callable[[Path], Intent]) -> None:
+    def _choose(
+        self,
+        name: str,
+        mode: QFileDialog.AcceptMode,
+        made: Callable[[Path], Intent],
+        folder: Path | None = None,
+    ) -> None:
         if (view := self._view) is not None:
-            folder = view.folder if view.file is None else view.file.parent
+            folder = folder or view.folder if view.file is None else view.file.parent
             self.choose_file(self._texts(f"code.{name}"), mode, "py", made, folder=folder)
 
     def _edit_elsewhere(self) -> None:

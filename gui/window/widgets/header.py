@@ -209,6 +209,9 @@ class Header(Panel):
                 entry.setCheckable(True)
                 choices[str(code)] = group.addAction(entry)
         menu.addSeparator()
+        choices["sounds"] = sounds = self._entry(menu, texts("label.sounds"), None)
+        sounds.setCheckable(True)
+        sounds.triggered.connect(lambda on: self.intent.emit(Choose("sounds", value=on)))
         self._entry(menu, texts("strip.lessons"), OpenGuide())
         self._entry(menu, texts("label.connect"), LookForPorts())
         self._entry(menu, f"{texts('label.keys')}\tF1", None).triggered.connect(self.keys_asked)
@@ -244,3 +247,4 @@ class Header(Panel):
         self.record.show_view(view.record)
         for chosen in (view.choices.theme.value, view.choices.language):
             self.choices[chosen].setChecked(True)
+        self.choices["sounds"].setChecked(view.choices.sounds)

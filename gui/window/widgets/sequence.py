@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from PyQt5.QtCore import QPoint, QRect, QSignalBlocker, QSize, Qt, pyqtSignal
 from PyQt5.QtGui import QColor, QIcon, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen, QPixmap
 from PyQt5.QtWidgets import (
@@ -11,15 +13,18 @@ from PyQt5.QtWidgets import (
     QListWidget,
     QListWidgetItem,
     QSizePolicy,
+    QWidget,
 )
 
 from gui.console.state import intents
 from gui.console.state.intents import HeadOrientation, Theme
+from gui.console.state.music import SetNote
 from gui.console.state.saved import DURATION_MAX_S
 from gui.console.state.views import CardView, SequenceView
 from gui.console.texts import Texts
 from gui.window.theme import style_of
 from gui.window.widgets.controls import (
+    NO_MARGINS,
     ChoiceCheck,
     IntentButton,
     Panel,
@@ -29,6 +34,7 @@ from gui.window.widgets.controls import (
     spaced,
 )
 from gui.window.widgets.head3d_paint import portrait
+from gui.window.widgets.music import MusicMenu, paint_beats
 from gui.window.widgets.number_box import NumberBox
 
 NAME_LONGEST = 24
@@ -46,8 +52,8 @@ class Strip(QListWidget):
     """a card, and its new place counted without it"""
     deleted = pyqtSignal(int)
 
-    def __init__(self, name: str, empty: str) -> None:
-        """Create an empty strip; `empty` is its text while it has no card."""
+    def __init__(self, name: str, empty: str, notes: Sequence[str]) -> None:
+        """Create an empty strip; `empty` is its text while it has no card, `notes` are the names of the tones."""
         super().__init__()
         self._empty = empty
         self.setAccessibleName(name)
@@ -59,6 +65,7 @@ class Strip(QListWidget):
         self.cards: tuple[CardView, ...] = ()
         self._played, self._facing = -1, True
         self._style = style_of(Theme.DARK)
+        self._notes = notes
         self._pressed: QPoint | None = None
         self._drop: int | None = None
         """while a card is dragged: its place counted without it"""
@@ -88,7 +95,10 @@ class Strip(QListWidget):
             self.clear()
             for number, card in enumerate(self.cards):
                 mark = "▸" if number == self._played else ""
-                item = QListWidgetItem(self._icon(card), f"{mark}{card.name}\n{card.duration}")
+                tone = self._notes[card.note - 1] if card.note else ""
+                item = QListWidgetItem(
+                    self._icon(card), f"{mark}{card.name}\n{card.duration} {tone}".rstrip()
+                )
                 item.setToolTip("\n".join(filter(None, (f"{card.name}, {card.duration}", card.problem))))
                 if card.problem:
                     item.setForeground(QColor(self._style.bad))
@@ -160,6 +170,8 @@ class Strip(QListWidget):
             painter.setPen(QColor(self._style.dim))
             flags = int(Qt.AlignmentFlag.AlignVCenter) | int(Qt.TextFlag.TextWordWrap)
             painter.drawText(self.viewport().rect().adjusted(4, 4, -4, -4), flags, self._empty)
+        for number, card in enumerate(self.cards):
+            paint_beats(painter, self.card(number), card.beats, self._style)
         if self._drop is not None:
             before = self._drop + (self._drop > self.currentRow())
             x = self.card(before).left() if before < len(self.cards) else self.card(before - 1).right()
@@ -173,7 +185,9 @@ class SequencePanel(Panel):
     def __init__(self, texts: Texts) -> None:
         super().__init__()
         self._view: SequenceView | None = None
-        self.strip = Strip(texts("label.sequence"), texts("label.sequence_empty"))
+        self.strip = Strip(
+            texts("label.sequence"), texts("label.sequence_empty"), texts("music.notes").split()
+        )
         self.name = named(QLineEdit(), texts("label.pose_name"), texts("tip.pose_name"))
         self.name.setMaxLength(NAME_LONGEST)
         self.name.setPlaceholderText(texts("label.pose_name"))
@@ -186,11 +200,13 @@ class SequencePanel(Panel):
         self.delete = plain_button("✕", texts("sequence.delete_tip"), texts("sequence.delete"))
         self.duplicate = plain_button("❐", texts("sequence.duplicate"), texts("sequence.duplicate"))
         self.undo = plain_button("↶", texts("sequence.undo_tip"), texts("sequence.undo"))
-        self.loop = ChoiceCheck(texts, "loop")
+        self.loop, self.music = ChoiceCheck(texts, "loop"), MusicMenu(texts)
         self.gesture = IntentButton()
         """its intent goes to the gestures, which ask for name and emoji"""
+        timed = QWidget()
+        in_row((self.duration, 1), self.music, gap=3, margins=NO_MARGINS, inside=timed)
         lines = (
-            (self.name, self.duration),
+            (self.name, timed),
             (self.add, self.gesture),
             (self.loop, self.delete, self.duplicate, self.undo),
             (self.play, self.hardware),
@@ -214,6 +230,7 @@ class SequencePanel(Panel):
         )
         self.strip.deleted.connect(lambda: self._about(intents.DeletePose))
         self.duration.valueChanged.connect(self._report_duration)
+        self.music.noted.connect(self._set_note)
         self.name.editingFinished.connect(self._rename)
         self.duplicate.clicked.connect(lambda: self._about(intents.DuplicatePose))
         self.undo.clicked.connect(lambda: self.intent.emit(intents.UndoSequence()))
@@ -256,6 +273,7 @@ class SequencePanel(Panel):
         card, view = self._chosen(), self._view
         for part in (self.name, self.duration, self.delete, self.duplicate):
             part.setEnabled(card is not None)
+        self.music.show_card(card)
         if view is None:
             return
         with QSignalBlocker(self.name), QSignalBlocker(self.duration):
@@ -282,6 +300,11 @@ class SequencePanel(Panel):
         card = self._chosen()
         if card is not None:
             self.intent.emit(intents.SetDuration(card.name, seconds))
+
+    def _set_note(self, note: int) -> None:
+        card = self._chosen()
+        if card is not None:
+            self.intent.emit(SetNote(card.name, note))
 
     def _rename(self) -> None:
         card, name = self._chosen(), self.name.text()
