@@ -77,13 +77,10 @@ class Link:
         self._lessons, self._gestures = LessonReports(jobs), OwnGestures(jobs, report)
         period_s = PROBE_S if shared is None else PROBE_SHARED_S
         self._probes = {side: Probe(side, jobs, period_s) for side in SIDES}
-        probes = (probe.look for probe in self._probes.values())
-        router = self._connection.look
         self._looks = (
-            lambda _session, now_s: router(now_s),
-            *probes,
-            self._lessons.look,
-            self.moving.person.look,
+            lambda _, now_s: self._connection.look(now_s),
+            *(probe.look for probe in self._probes.values()),
+            *(self._lessons.look, self.moving.person.look),
         )
         """what asks robots again when it is time"""
         self._children = Children(jobs, self._connection.try_now)

@@ -58,9 +58,9 @@ def last(memory: Memory, world: World) -> str:
         if isinstance(told, Trouble):
             return texts(key, text=texts(told.key, code=told.code, **told.slots))
         return texts(key, file=str(told))
-    if not memory.rows:
+    row = next((row for row in reversed(memory.rows) if row.control != CHEER), None)
+    if row is None:
         return texts("last.none")
-    row = memory.rows[-1]
     text, _ = result(row, texts)
     first, _, _ = text.partition(". ")  # the first sentence; other places also show the advice
     shown = {"what": what(row, texts), "result": first.removesuffix(".")}
