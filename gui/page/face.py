@@ -17,6 +17,7 @@ from beatrix_zenoh.contract.names import SIDES
 from gui.console.link import Link
 from gui.console.state import class_page, intents
 from gui.console.state.actions import (
+    FOLLOW,
     Action,
     AskLease,
     Hold,
@@ -127,7 +128,9 @@ class Face:
     def open(self, saved: Saved) -> None:
         """Begin with the choices that the browser has kept."""
         self.state, self.aimed, self._fresh = State(saved), False, True
-        self.state.handle(intents.Choose("tab", Tab.EYES), self._world)
+        self.state.handle(
+            intents.Choose("tab", Tab.PLOTS), self._world
+        )  # pictures have web sockets of their own
 
     def show_class(self, *, on: bool) -> None:
         """Show or hide the table of all robots."""
@@ -139,6 +142,11 @@ class Face:
         states = [self._world.side(side).status for side in SIDES if online(self._world, side)]
         seat = None if self.driver is None else self.driver.seat
         return bool(states) and all(state is not None and state.holder == seat for state in states)
+
+    @property
+    def runs_program(self) -> bool:
+        """Whether *Follow* or *Listen* runs for this page."""
+        return self.own_link is not None and self.own_link.moving.python(time.monotonic()).running
 
     @property
     def own_link(self) -> Link | None:
@@ -242,7 +250,7 @@ class Face:
             "pills": [_pill(pill) for pill in view.pills],
             "head": replace(view.head, path=(), drag=replace(view.head.drag, border=())),
             "border": view.head.drag.border,
-            "gestures": {"gestures": _gestures(view.gestures), "refusal": view.gestures.refusal},
+            "gestures": _gestures(view.gestures),
             "history": view.history[:HISTORY],
             "programs": self.desk.view,
             "opened": self.desk.opened,
@@ -271,12 +279,17 @@ class Face:
     def _eyes(self, view: View, world: World) -> dict[str, object]:
         """Return the robot whose pictures the page shows, and why there are none."""
         choices = self.state.choices
-        sides = sorted(SIDES, key=lambda side: (not online(world, side), side not in choices.sides))
+        follows = world.program.runs(FOLLOW)
+        seeing = world.program.sides[:1] if follows else ()
+        sides = sorted(
+            SIDES,
+            key=lambda side: (side not in seeing, not online(world, side), side not in choices.sides),
+        )
         eye = next(eye for eye in view.eyes if (eye.side, eye.eye) == (sides[0], "left"))
         text = (
             "" if eye.text == choices.texts("eye.waiting") else eye.text
         )  # cameras work only while they are watched
-        return {"side": sides[0], "on": choices.cameras, "text": text}
+        return {"side": sides[0], "on": choices.cameras, "text": text, "follows": follows}
 
     # -- what the user does -------------------------------------------------------------------------
 
@@ -338,10 +351,12 @@ def _texts_of_page(code: str) -> msgspec.Raw:
     )
 
 
-def _gestures(view: GesturesView) -> list[tuple[str, str, ButtonView]]:
-    """Return name, emoji and button of each gesture, those of the user at the end."""
+def _gestures(view: GesturesView) -> dict[str, object]:
+    """Return name, emoji and button of each gesture, those of the user at the end, and of the shipped programs."""
     shipped = [(name, EMOTIONS.get(name, ""), button) for name, button in view.gestures]
-    return shipped + [(own.name, own.emoji, own.play) for own in view.own if possible(own.name)]
+    own = [(own.name, own.emoji, own.play) for own in view.own if possible(own.name)]
+    programs = [("follow", "👀", view.follow), ("turn", "👂", view.turn)]
+    return {"gestures": shipped + own, "programs": programs, "refusal": view.refusal}
 
 
 def _governing(view: ClassView | None) -> dict[str, object] | None:

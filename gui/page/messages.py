@@ -12,6 +12,7 @@ from beatrix_zenoh.client.choreography import GESTURES
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction
 from gui.console.state import actions, intents
 from gui.console.state.arms import HoldArm, ReleaseArm, Steer
+from gui.console.state.gestures import RunExample
 from gui.console.state.intents import SetDuration
 from gui.console.state.saved import Saved
 
@@ -112,6 +113,7 @@ OWN: Final = (
     | actions.Govern
     | ReleaseArm
     | actions.EndBlocks
+    | actions.EndProgram
 )
 """Intents of every page: they change only this page, or stop robots."""
 DRIVING: Final = (
@@ -132,8 +134,9 @@ DRIVING: Final = (
     | intents.PlaySequence
     | intents.RunBlocks
     | actions.Play
+    | RunExample
 )
-"""Intents of a page that drives. No page may use other ones, for example those that start programs or name files."""
+"""Intents of a page that drives. No page may use other ones, for example those that start or name programs of its own."""
 CHOICES: Final = ("language", "speed", "lead_s", "sim", "hw", "cameras", "live", "send_on_release")
 """Choices that a page may change."""
 LEASES: Final = (LeaseAction.TAKE, LeaseAction.WAIT, LeaseAction.GIVE_BACK)

@@ -9,13 +9,14 @@ from typing import Any
 
 import pytest
 from class_router import CLI, ClassRouter
-from robots import Process, until
+from robots import EVENT_S, Process, until
 from tornado.websocket import WebSocketClosedError
 from web_client import WebClient, WebSocket, serving
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import class_words as words
 from beatrix_zenoh.client import lesson_reports
+from gui.page import hub
 from gui.page.handlers import MALFORMED
 from gui.page.seats import WRONG_MAX, Seats
 
@@ -94,6 +95,27 @@ def test_each_page_drives_its_own_head_under_its_own_seat(
         "of the own head, and of the simulation of the robot beside it"
     )
     with router.robot("ana", "sim", "teacher") as robot:
+        assert robot.status().holder == "ana"
+
+
+def button(view: dict[str, Any]) -> str:
+    """Return what the button *Follow* asks for."""
+    return view["gestures"]["programs"][0][2]["intent"]["do"]  # type: ignore[no-any-return]
+
+
+def test_the_head_of_a_seat_follows_with_its_account_until_the_page_ends_that(
+    browsers: dict[str, WebClient], router: ClassRouter, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(hub, "DEAD_MAN_S", EVENT_S)  # this page beats only when a view arrives
+    ana = ready(browsers["ana"])
+    with router.robot("ana", "sim", "teacher") as robot:
+        robot.move_target(1.0, -0.4, 0.1)
+        for end in ("EndProgram", "hidden"):
+            ana.send("RunExample", program="follow")
+            ana.state(lambda view: button(view) == "EndProgram" and view["eyes"]["follows"], "it has begun")
+            ana.state(lambda view: view["head"]["sim"]["yaw"] < -12.0, "the head turns to the person")
+            ana.send(end)
+            ana.state(lambda view: button(view) == "RunExample", f"it has ended by {end}")
         assert robot.status().holder == "ana"
 
 

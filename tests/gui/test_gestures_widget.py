@@ -10,7 +10,7 @@ from pytestqt.qtbot import QtBot
 
 from beatrix_zenoh.client.choreography import GESTURES
 from gui.console.state import gestures
-from gui.console.state.actions import FOLLOW, NEW, TURN, OpenProgram, Play
+from gui.console.state.actions import FOLLOW, NEW, OpenProgram, Play
 from gui.console.state.gestures import RunExample
 from gui.console.state.intents import Intent, Theme
 from gui.console.state.memory import Memory
@@ -42,7 +42,7 @@ def test_each_button_reports_its_intent(panel: GesturesPanel) -> None:
     for button in buttons(panel):
         QTest.mouseClick(button, Qt.MouseButton.LeftButton)
     plays = (Play(NEW, (), gesture=name) for name in GESTURES)
-    assert given == [*plays, RunExample(FOLLOW), RunExample(TURN), OpenProgram(FOLLOW)]
+    assert given == [*plays, RunExample("follow"), RunExample("turn"), OpenProgram(FOLLOW)]
 
 
 def test_every_gesture_has_a_picture_of_its_own(panel: GesturesPanel) -> None:

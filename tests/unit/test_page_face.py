@@ -17,10 +17,13 @@ from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
 from beatrix_zenoh.contract.errors import WrongUsage
 from gui.console.state import actions
 from gui.console.state.actions import AskLease
+from gui.console.state.gestures import RunExample
+from gui.console.state.intents import Intent
 from gui.console.state.world import World
 from gui.page import messages, protection, server
 from gui.page.face import Driver, Face
 from gui.page.handlers import MALFORMED
+from gui.page.hub import PROGRAMS_MAX, Hub
 from gui.page.lessons_face import Lessons
 from gui.page.protection import PinLogin
 from gui.page.shelf import Desk, Shelf
@@ -81,7 +84,7 @@ def test_a_page_cannot_name_files_or_start_programs() -> None:
     local = {action for action in vars(actions).values() if isinstance(action, type)} & {*allowed}
     known = {actions.ChooseRobot, actions.MakeReady, actions.AskLease, actions.SendNow, actions.Abort}
     # Play: of a gesture only, see the forged messages below; Govern: only the teacher's page has a class to govern.
-    assert local == {*known, actions.EndBlocks, actions.Play, actions.Govern}
+    assert local == {*known, actions.EndBlocks, actions.EndProgram, actions.Play, actions.Govern}
 
 
 # -- what a page may send, and what it does while it drives -----------------------------------------
@@ -100,6 +103,9 @@ def test_a_page_cannot_name_files_or_start_programs() -> None:
         '{"do":"Play","row":1,"sides":["sim"],"file":"/etc/passwd"}',
         '{"do":"Play","row":0,"sides":[],"gesture":"../demo"}',
         '{"do":"Play","row":0,"sides":["hw"],"gesture":"yes"}',
+        '{"do":"RunExample","program":"../own.py"}',
+        '{"do":"RunExample","program":"follow","file":"own.py"}',
+        '{"do":"RunProgram","row":-1,"file":"own.py"}',
     ],
 )
 def test_a_message_that_no_page_sends_is_invalid(forged: str) -> None:
@@ -116,6 +122,7 @@ def test_a_message_that_no_page_sends_is_invalid(forged: str) -> None:
         '{"do":"AimHead","yaw":180,"pitch":-30,"roll":0}',
         '{"do":"AddPose","name":"Kopf hoch"}',
         '{"do":"Play","row":0,"sides":[],"poses":[],"again":[],"lead_s":0.0,"gesture":"yes"}',
+        '{"do":"RunExample","program":"turn"}',
     ],
 )
 def test_a_message_of_a_button_or_a_field_is_read(sent: str) -> None:
@@ -164,6 +171,17 @@ def test_a_page_in_the_queue_does_not_say_that_it_drives(known: Status, text: st
     face._send = sent.append
     face.show(now, (now.robot,))
     assert msgspec.json.decode(sent[0])["you"]["text"] == text
+
+
+@pytest.mark.parametrize(("others", "runs"), [(PROGRAMS_MAX - 1, True), (PROGRAMS_MAX, False)])
+def test_programs_run_for_a_few_pages_at_once(others: int, runs: bool) -> None:
+    face, _ = driving(world(robot("sim"), absent("hw")))
+    carried: list[Intent] = []
+    face.carry_out = carried.append  # type: ignore[method-assign]
+    pages = {face, *(MagicMock(runs_program=True) for _ in range(others)), MagicMock(runs_program=False)}
+    Hub.run_example(MagicMock(pages=pages), face, RunExample("follow"))
+    assert carried == [RunExample("follow")] * runs
+    assert bool(face._notice[0]) is not runs
 
 
 # -- the page ------------------------------------------------------------------------------------------

@@ -264,10 +264,10 @@ function showHead(head) {
   changed();
 }
 
-function showGestures({ gestures, refusal }) {
-  const row = byId("gestures");
-  if (row.children.length !== gestures.length) row.replaceChildren(...gestures.map(() => make("button")));
-  gestures.forEach(([, emoji, button], index) => bind(row.children[index], { ...button, text: `${emoji} ${button.text}`.trim() }));
+function showGestures({ gestures, programs, refusal }) {
+  const row = byId("gestures"), all = [...gestures, ...programs];
+  if (row.children.length !== all.length) row.replaceChildren(...all.map(() => make("button")));
+  all.forEach(([, emoji, button], index) => bind(row.children[index], { ...button, text: `${emoji} ${button.text}`.trim() }));
   showRefusal("refusal-gestures", refusal);
 }
 
