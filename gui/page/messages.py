@@ -10,7 +10,7 @@ from msgspec import Meta
 from beatrix_zenoh.client import own_gestures
 from beatrix_zenoh.client.choreography import GESTURES
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction
-from gui.console.state import actions, intents
+from gui.console.state import actions, intents, missions
 from gui.console.state.arms import HoldArm, ReleaseArm, Steer
 from gui.console.state.gestures import RunExample
 from gui.console.state.intents import SetDuration
@@ -114,6 +114,8 @@ OWN: Final = (
     | ReleaseArm
     | actions.EndBlocks
     | actions.EndProgram
+    | missions.ShowHint
+    | missions.SkipTask
 )
 """Intents of every page: they change only this page, or stop robots."""
 DRIVING: Final = (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import get_args
 from unittest.mock import MagicMock
@@ -19,6 +20,7 @@ from gui.console.state import actions
 from gui.console.state.actions import AskLease
 from gui.console.state.gestures import RunExample
 from gui.console.state.intents import Intent
+from gui.console.state.missions import STEPS, TASKS, SkipTask
 from gui.console.state.world import World
 from gui.page import messages, protection, server
 from gui.page.face import Driver, Face
@@ -173,11 +175,32 @@ def test_a_page_in_the_queue_does_not_say_that_it_drives(known: Status, text: st
     assert msgspec.json.decode(sent[0])["you"]["text"] == text
 
 
+def test_a_page_that_drives_shows_missions_and_then_the_way_to_the_lessons() -> None:
+    now, shown = world(robot("sim"), absent("hw")), []
+    face, link = driving(now)
+    face._send = lambda sent: shown.append(msgspec.json.decode(sent).get("guide"))
+    for task in range(1, len(TASKS) + 1):  # the robot is ready
+        now = replace(now, now_s=now.now_s + 1.0)
+        face.show(now, (now.robot,))
+        assert (shown[-1]["skip"] is None) is (task == len(TASKS))
+        assert (shown[-1]["hint"] is not None) is (len(STEPS) <= task < len(TASKS))
+        face.carry_out(SkipTask())
+    assert shown[0]["text"].startswith("✓ Well done. Step 2 of 4")
+    assert "lessons" in shown[-1]["text"]
+    nods = [call.args[0] for call in link.do.call_args_list if isinstance(call.args[0], actions.Play)]
+    assert [nod.gesture for nod in nods] == ["yes"]
+    face.driver = None
+    face.show(now, (now.robot,))
+    assert shown[-1] is None, "a page that only watches has none"
+
+
 @pytest.mark.parametrize(("others", "runs"), [(PROGRAMS_MAX - 1, True), (PROGRAMS_MAX, False)])
-def test_programs_run_for_a_few_pages_at_once(others: int, runs: bool) -> None:
+def test_programs_run_for_a_few_pages_at_once(
+    others: int, runs: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
     face, _ = driving(world(robot("sim"), absent("hw")))
     carried: list[Intent] = []
-    face.carry_out = carried.append  # type: ignore[method-assign]
+    monkeypatch.setattr(face, "carry_out", carried.append)
     pages = {face, *(MagicMock(runs_program=True) for _ in range(others)), MagicMock(runs_program=False)}
     Hub.run_example(MagicMock(pages=pages), face, RunExample("follow"))
     assert carried == [RunExample("follow")] * runs

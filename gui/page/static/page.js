@@ -5,6 +5,7 @@ import { connect, isOpen, send, sinceRequest, sinceSent, trouble } from "./conne
 import { connectEyes, showEyes } from "./eyes.js";
 import { changed, connectHead, receivePose, seenFromFront } from "./head.js";
 import { LESSONS, asLesson, connectLessons } from "./lessons.js";
+import { GUIDE, connectGuide } from "./guide.js";
 import { connectGamepad } from "./gamepad.js";
 import { connectShow, drawn } from "./show.js";
 import { connectTabs } from "./tabs.js";
@@ -147,6 +148,7 @@ const SHOW = {
     set(byId("stop"), view.robots?.length > 1 ? `${button.text} ${view.robot}` : button.text);
   },
   emergency: (button) => bind(byId("emergency"), button),
+  ...GUIDE,
   ...SEQUENCE,
   ...BLOCKS,
   ...LESSONS,
@@ -267,7 +269,8 @@ function showHead(head) {
 function showGestures({ gestures, programs, refusal }) {
   const row = byId("gestures"), all = [...gestures, ...programs];
   if (row.children.length !== all.length) row.replaceChildren(...all.map(() => make("button")));
-  all.forEach(([, emoji, button], index) => bind(row.children[index], { ...button, text: `${emoji} ${button.text}`.trim() }));
+  all.forEach(([, emoji, button], index) => bind(row.children[index], { ...button, text: `${emoji}\n${button.text}`.trim() })
+    .classList.toggle("next", button.intent.do === "EndProgram"));
   showRefusal("refusal-gestures", refusal);
 }
 
@@ -496,6 +499,7 @@ connectBlocks({ text, bind, view, asLesson });
 connectLessons({ text, make, view });
 connectTabs();
 connectCards({ text, bind, make, view });
+connectGuide({ bind, view });
 connectGamepad({ view, stop });
 connectShow({ text, view, token });
 connectEyes(isOpen, () => showEyes(view));
