@@ -22,7 +22,8 @@ from gui.console.state.actions import (
     SendStop,
 )
 from gui.console.state.arms import HoldArm, Steer
-from gui.console.state.intents import Intent, Tab
+from gui.console.state.intents import Intent, SaveGesture, Tab
+from gui.console.state.own_gestures import DeleteGesture
 from gui.console.state.saved import Saved
 from gui.console.state.state import State
 from gui.console.state.views import View
@@ -245,7 +246,7 @@ class Face:
             "head": replace(view.head, path=(), drag=replace(view.head.drag, border=())),
             "border": view.head.drag.border,
             "guide": None if driver is None else parts.guide(view, self.state.saved.guided, texts),
-            "gestures": parts.gestures(view.gestures),
+            "gestures": parts.gestures(view.gestures, texts),
             "history": view.history[:HISTORY],
             "programs": self.desk.view,
             "opened": self.desk.opened,
@@ -324,6 +325,13 @@ class Face:
             self.desk.save(request)
         else:
             self.desk.open(request.name, request.seat)
+
+    def change_gestures(self, intent: SaveGesture | DeleteGesture) -> None:
+        """Save the sequence as a gesture of the seat, or delete one."""
+        if self.desk.may_save():
+            self.carry_out(intent)
+        else:
+            self.notify("page.program_too_often")
 
     def report(self, outcome: Outcome) -> None:
         """Show the outcome of a request."""

@@ -15,7 +15,8 @@ from beatrix_zenoh.client import CameraImage
 from gui.console.state import actions
 from gui.console.state.arms import Steer
 from gui.console.state.gestures import RunExample
-from gui.console.state.intents import Intent
+from gui.console.state.intents import Intent, SaveGesture
+from gui.console.state.own_gestures import EMOJI, DeleteGesture
 from gui.console.texts import DEFAULT_LANGUAGE, LANGUAGES, Texts
 from gui.page import messages, protection
 from gui.page.face import Face
@@ -72,8 +73,8 @@ class Guarded(web.RequestHandler):
             self.reject(403, protection.FOREIGN_ORIGIN)
 
     def get_template_namespace(self) -> dict[str, object]:
-        """Return what every template may use: also the path of the static files."""
-        return super().get_template_namespace() | {"static": self.context.static.root}
+        """Return what every template may use: also the path of the static files, and emoji."""
+        return super().get_template_namespace() | {"static": self.context.static.root, "emoji": EMOJI}
 
     def reject(self, status: int, sentence: str) -> None:
         """Reply with a sentence and end the request."""
@@ -268,6 +269,7 @@ HANDLES: Mapping[type, Callable[[Hub, Face, Never], None]] = {
     messages.CheckProgram: lambda _, face, request: face.lessons.check(face, request),
     messages.AskHint: lambda _, face, request: face.lessons.hint(face, request),
     messages.OpenProgram: lambda _, face, request: face.use_programs(request),
+    **dict.fromkeys((SaveGesture, DeleteGesture), lambda _, face, request: face.change_gestures(request)),
     actions.ChooseRobot: lambda hub, face, request: hub.watch(face, request.name),
 }
 """What carries out the messages of a page; the others are heartbeats, or intents of the console."""

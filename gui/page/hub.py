@@ -129,7 +129,8 @@ class Hub:
     def _open(self, face: Face, settings: Settings) -> Link:
         """Return a link that reports to a page; it reads the robots' states from the session that all share."""
         report, shared = partial(self._call, face.report), self._link.session
-        link = Link(settings, report, lambda _, __: None, source=Source.PAGE, shared=shared)
+        own = (self._shelf.folder / face.visitor / "gestures",)
+        link = Link(settings, report, lambda _, __: None, source=Source.PAGE, shared=shared, gestures=own)
         link.look()
         return link
 

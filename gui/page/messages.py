@@ -14,6 +14,7 @@ from gui.console.state import actions, intents, missions
 from gui.console.state.arms import HoldArm, ReleaseArm, Steer
 from gui.console.state.gestures import RunExample
 from gui.console.state.intents import SetDuration
+from gui.console.state.own_gestures import EMOJI, DeleteGesture
 from gui.console.state.saved import Saved
 
 Name = Annotated[str, Meta(min_length=1, max_length=32)]
@@ -116,6 +117,8 @@ OWN: Final = (
     | actions.EndProgram
     | missions.ShowHint
     | missions.SkipTask
+    | missions.CloseGuide
+    | missions.ResumeGuide
 )
 """Intents of every page: they change only this page, or stop robots."""
 DRIVING: Final = (
@@ -137,6 +140,8 @@ DRIVING: Final = (
     | intents.RunBlocks
     | actions.Play
     | RunExample
+    | intents.SaveGesture
+    | DeleteGesture
 )
 """Intents of a page that drives. No page may use other ones, for example those that start or name programs of its own."""
 CHOICES: Final = ("language", "speed", "lead_s", "sim", "hw", "cameras", "live", "send_on_release")
@@ -177,6 +182,8 @@ def _possible(request: Request) -> bool:
         case actions.Play(gesture=gesture):  # no file, and no poses: those are of the sequence
             known = gesture in GESTURES or own_gestures.possible(gesture)
             return known and request == actions.Play(actions.NEW, (), gesture=gesture)
+        case intents.SaveGesture(emoji=emoji):
+            return emoji in EMOJI
         case intents.RunCommand(command=command):
             return command in COMMANDS
         case intents.Choose(name=name):

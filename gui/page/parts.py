@@ -13,14 +13,23 @@ from beatrix_zenoh.client.own_gestures import possible
 from beatrix_zenoh.contract._generated.messages import LeaseAction
 from gui.console.state import missions
 from gui.console.state.actions import AskLease, LookForPorts, StartSimulation
-from gui.console.state.views import BannerView, ButtonView, ClassView, GesturesView, PillView, View
+from gui.console.state.own_gestures import DeleteGesture
+from gui.console.state.views import (
+    BannerView,
+    ButtonView,
+    ClassView,
+    GesturesView,
+    PillView,
+    View,
+    button,
+)
 from gui.console.state.world import LinkPhase, World
 from gui.console.texts import Texts, load
 from gui.page.messages import DRIVING, OWN
 
 OFFERED: Final = get_args(OWN) + get_args(DRIVING)
 ENCODER: Final = msgspec.json.Encoder(enc_hook=str)  # `str`, because some buttons of the console name a file
-TEXT_KEYS: Final = ("page.", "picture.", "label.", "arm.", "gesture.", "blocks.")
+TEXT_KEYS: Final = ("page.", "picture.", "label.", "arm.", "gesture.", "blocks.", "sequence.gesture")
 """Beginnings of the keys of the texts that the scripts of the page use."""
 
 
@@ -37,8 +46,9 @@ def guide(view: View, done: int, texts: Texts) -> dict[str, object] | None:
     """Return the present step or mission; after the last one (`done` of them are) the page leads to the lessons."""
     shown, over = view.guide, done >= len(missions.TASKS)
     if shown is None:
-        return None
-    buttons = {} if over else {type(button.intent): button for button in shown.buttons}
+        closed = done >= missions.CLOSED
+        return {"resume": button(texts, "page.missions", missions.ResumeGuide())} if closed else None
+    buttons = {type(button.intent): button for button in shown.buttons}
     return {
         "text": texts("page.missions_done") if over else shown.text,
         "progress": "" if over else shown.progress,
@@ -46,15 +56,30 @@ def guide(view: View, done: int, texts: Texts) -> dict[str, object] | None:
         "good": over or shown.good,
         "hint": buttons.get(missions.ShowHint),
         "skip": buttons.get(missions.SkipTask),
+        "close": replace(buttons[missions.CloseGuide], text="✕", tooltip=texts("page.missions_close")),
     }
 
 
-def gestures(view: GesturesView) -> dict[str, object]:
-    """Return name, emoji and button of each gesture, those of the user at the end, and of the shipped programs."""
+def gestures(view: GesturesView, texts: Texts) -> dict[str, object]:
+    """Return name, emoji and button of each gesture, own ones at the end, and of the shipped programs.
+
+    Also return name and button of those that the page may delete.
+    """
     shipped = [(name, EMOTIONS.get(name, ""), button) for name, button in view.gestures]
     own = [(own.name, own.emoji, own.play) for own in view.own if possible(own.name)]
     programs = [("follow", "☺", view.follow), ("turn", "♫", view.turn)]
-    return {"gestures": shipped + own, "programs": programs, "refusal": view.refusal}
+    deletes = [
+        (own.name, replace(button, question=texts("page.gesture_delete", name=own.name)))
+        for own in view.own
+        for button in own.menu
+        if isinstance(button.intent, DeleteGesture)
+    ]
+    return {
+        "gestures": shipped + own,
+        "programs": programs,
+        "deletes": deletes,
+        "refusal": view.refusal,
+    }
 
 
 def governing(view: ClassView | None) -> dict[str, object] | None:

@@ -119,6 +119,30 @@ def test_the_head_of_a_seat_follows_with_its_account_until_the_page_ends_that(
         assert robot.status().holder == "ana"
 
 
+def test_a_sequence_becomes_a_gesture_of_the_seat_which_plays_and_deletes_it(
+    browsers: dict[str, WebClient], router: ClassRouter, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(hub, "DEAD_MAN_S", EVENT_S)  # this page beats only when a view arrives
+    ana, file = ready(browsers["ana"]), router.folder / "programs/ana/gestures/wink.csv"
+    ana.send("AimHead", yaw=25.0, pitch=0.0, roll=0.0)
+    ana.send("AddPose", name="left")
+    ana.send("SetDuration", name="left", seconds=2.0)
+    ana.send("SaveGesture", name="wink", emoji="😎")
+
+    def there(view: dict[str, Any]) -> bool:
+        return any(one[:2] == ["wink", "😎"] for one in view["gestures"]["gestures"])
+
+    ana.state(there, "it has a button")
+    assert file.is_file()
+    ana.send("Play", row=0, sides=[], poses=[], again=[], lead_s=0.0, gesture="wink")
+    ana.state(lambda view: view["head"]["sim"]["yaw"] > 22.0, "the head plays it")
+    assert not any(one[0] == "wink" for one in ready(browsers["ben"]).view["gestures"]["gestures"])
+    ((name, button),) = ana.view["gestures"]["deletes"]
+    ana.send(**button["intent"])
+    ana.state(lambda view: not there(view), "its button is gone")
+    assert (name, file.is_file()) == ("wink", False)
+
+
 def test_a_page_cannot_show_or_drive_the_head_of_another_seat(browsers: dict[str, WebClient]) -> None:
     ben = ready(browsers["ben"])
     for name in ("ana", "teacher", "*", "bea2"):
@@ -184,6 +208,8 @@ OTHERS: list[dict[str, Any]] = [
         for name in ("../ana/secret", "../../words", "a/b", "..", "", "x" * 100, "C:secret", "secret\0")
     ),
     {"do": "save_program", "name": "huge", "program": "x" * 70_000},
+    *({"do": "SaveGesture", "name": name, "emoji": "😎"} for name in ("../ana/wink", "..", "a/b", "x" * 100)),
+    {"do": "DeleteGesture", "name": "../../ana/gestures/wink"},
     {"do": "check_program", "lesson": "../../seats/ana", "program": PROGRAM},
     {"do": "hint", "lesson": "../../seats/ana"},
     {"do": "Govern", "row": -1, "action": "mute", "seat": "ana"},

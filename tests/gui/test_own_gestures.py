@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -27,13 +28,13 @@ from gui.console.state import gestures
 from gui.console.state.actions import NEW, KeepGesture, Play
 from gui.console.state.intents import Intent, SaveGesture, Theme
 from gui.console.state.memory import Memory
-from gui.console.state.own_gestures import DeleteGesture, OpenGesture, RenameGesture
+from gui.console.state.own_gestures import EMOJI, DeleteGesture, OpenGesture, RenameGesture
 from gui.console.state.saved import Choices, Saved, SavedPose
 from gui.console.state.state import State
 from gui.console.state.world import OwnGesture
 from gui.console.texts import Texts
 from gui.window.widgets.gestures import GesturesPanel
-from gui.window.widgets.picture_button import EMOJI, PictureButton
+from gui.window.widgets.picture_button import PictureButton
 
 TEXT = "t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,10,0,0,30\n1,0,0,0,\n"
 POSES = (SavedPose("left", 20.0, 20.0, 20.0, 2.0), SavedPose("up", -8.0, 4.0, 4.0, 2.0))
@@ -115,6 +116,26 @@ def test_a_file_that_another_program_writes_appears_by_itself(folder: Path) -> N
     finally:
         jobs.close()
         jobs.join(time.monotonic() + 5)
+
+
+def test_a_seat_has_a_folder_of_its_own_besides_the_common_ones(folder: Path, tmp_path: Path) -> None:
+    for name in ("wink", "nod"):
+        (folder / f"{name}.csv").write_text(WINK.text, encoding="utf-8")
+    jobs, seat = Jobs("test"), tmp_path / "ana"
+    own = OwnGestures(jobs, lambda _: None, (seat,))
+    try:
+        own.keep(KeepGesture(1, "wink", files.with_emoji(TEXT, "😎")))
+        until(lambda: len(own.newest(time.monotonic())) == 2, "the gestures are found")
+        found = {one.name: (one.emoji, one.common) for one in own.newest(time.monotonic())}
+        assert found == {"nod": ("😜", True), "wink": ("😎", False)}
+    finally:
+        jobs.close()
+        jobs.join(time.monotonic() + 5)
+    assert files.file_of("wink", seat) == seat / "wink.csv"
+    assert files.file_of("nod", seat) == folder / "nod.csv"
+    assert (folder / "wink.csv").read_text(encoding="utf-8") == WINK.text
+    (common,) = gestures.view(Memory(Choices(), ()), world(gestures=(replace(WINK, common=True),))).own
+    assert common.menu == (), "no page changes a common one"
 
 
 def kept(state: State, intent: Intent, *own: OwnGesture) -> KeepGesture:

@@ -20,7 +20,7 @@ from gui.console.state import actions
 from gui.console.state.actions import AskLease
 from gui.console.state.gestures import RunExample
 from gui.console.state.intents import Intent
-from gui.console.state.missions import STEPS, TASKS, SkipTask
+from gui.console.state.missions import STEPS, TASKS, CloseGuide, ResumeGuide, SkipTask
 from gui.console.state.world import World
 from gui.page import messages, protection, server
 from gui.page.face import Driver, Face
@@ -108,6 +108,8 @@ def test_a_page_cannot_name_files_or_start_programs() -> None:
         '{"do":"RunExample","program":"../own.py"}',
         '{"do":"RunExample","program":"follow","file":"own.py"}',
         '{"do":"RunProgram","row":-1,"file":"own.py"}',
+        '{"do":"SaveGesture","name":"wink","emoji":"x\\n0,0,0,0,30"}',
+        '{"do":"KeepGesture","row":-1,"name":"wink","text":""}',
     ],
 )
 def test_a_message_that_no_page_sends_is_invalid(forged: str) -> None:
@@ -125,6 +127,7 @@ def test_a_message_that_no_page_sends_is_invalid(forged: str) -> None:
         '{"do":"AddPose","name":"Kopf hoch"}',
         '{"do":"Play","row":0,"sides":[],"poses":[],"again":[],"lead_s":0.0,"gesture":"yes"}',
         '{"do":"RunExample","program":"turn"}',
+        '{"do":"SaveGesture","name":"wink","emoji":"😎"}',
     ],
 )
 def test_a_message_of_a_button_or_a_field_is_read(sent: str) -> None:
@@ -189,6 +192,10 @@ def test_a_page_that_drives_shows_missions_and_then_the_way_to_the_lessons() -> 
     assert "lessons" in shown[-1]["text"]
     nods = [call.args[0] for call in link.do.call_args_list if isinstance(call.args[0], actions.Play)]
     assert [nod.gesture for nod in nods] == ["yes"]
+    for closes, shows in ((CloseGuide(), "resume"), (ResumeGuide(), "text")):
+        face.carry_out(closes)
+        face.show(now, (now.robot,))
+        assert shows in shown[-1]
     face.driver = None
     face.show(now, (now.robot,))
     assert shown[-1] is None, "a page that only watches has none"

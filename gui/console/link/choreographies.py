@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable
 from dataclasses import replace
+from pathlib import Path
 
 from beatrix_zenoh.client import choreography, motion_file, own_gestures
 from beatrix_zenoh.client.choreography import GESTURES, ArmPose, Choreography, Step, play
@@ -21,10 +22,10 @@ from gui.console.state.refusals import wrong_file
 class Playing(Program):
     """One play."""
 
-    def __init__(self, action: Play, robots: Twin | Robot) -> None:
-        """Store the arguments."""
+    def __init__(self, action: Play, robots: Twin | Robot, own: tuple[Path, ...] = ()) -> None:
+        """Store the arguments; `own`: folders of gestures besides that of the user."""
         super().__init__(action.row, action.sides, BOTH if isinstance(robots, Twin) else robots.side)
-        self._action, self._robots, self.title = action, robots, action.title
+        self._action, self._robots, self._own, self.title = action, robots, own, action.title
         self._both = (robots.sim, robots.hw) if isinstance(robots, Twin) else (robots,)
         self.pose = -1
         """number of the pose of the window that began last, from 0; -1: none"""
@@ -39,7 +40,7 @@ class Playing(Program):
         from beatrix_zenoh.paths.follow import robots_of  # noqa: PLC0415  # numpy would delay the window
         from beatrix_zenoh.paths.path import check_choreography  # noqa: PLC0415
 
-        action, found = self._action, read(self._action)
+        action, found = self._action, read(self._action, *self._own)
         self.check()
         infos = [robot.info() for robot in self._both]
         if action.gesture in GESTURES:
@@ -66,14 +67,14 @@ def _poses(poses: Iterable[ArmPose]) -> Choreography:
     return Choreography(steps)
 
 
-def read(action: Play) -> Choreography:
+def read(action: Play, *own: Path) -> Choreography:
     """Return the choreography to play; raises WindowError if the file of a gesture of the user cannot be used."""
     name = action.gesture
     if not name:
         return _poses(action.poses)
     if name in GESTURES:
         return choreography.shipped(name)
-    file = own_gestures.file_of(name)
+    file = own_gestures.file_of(name, *own)
     if file is None:
         raise WindowError(Reason.BAD_VALUE, "result.no_gesture", name=name)
     found = read_gesture(file)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -28,8 +29,9 @@ DELETED: Final = "deleted"
 class OwnGestures:
     """Reads the folder again when a file has changed; the methods are called in one thread only."""
 
-    def __init__(self, jobs: Jobs, report: Callable[[Outcome], None]) -> None:
-        self._jobs, self._report = jobs, report
+    def __init__(self, jobs: Jobs, report: Callable[[Outcome], None], own: tuple[Path, ...] = ()) -> None:
+        """Store the arguments; `own`: the folder of a seat, for which those in the folder of the user are common."""
+        self._jobs, self._report, self._own = jobs, report, own
         self._due_s = 0.0
         """when to look again (monotonic clock, s); infinite while a look is under way"""
         self._stamps: dict[Path, tuple[int, int]] = {}
@@ -47,7 +49,7 @@ class OwnGestures:
         self._jobs.put("gestures", lambda: self._keep(action))
 
     def _keep(self, action: KeepGesture) -> None:
-        outcome = write(action)
+        outcome = write(action, *self._own)
         self._read()
         self._report(outcome)
 
@@ -69,14 +71,24 @@ class OwnGestures:
 
     def _read(self) -> None:
         try:
-            paths = sorted(own_gestures.folder().glob("*.csv"), key=lambda path: path.name.casefold())
-            stats = {path: path.stat() for path in paths[: own_gestures.MOST]}
+            found: dict[str, Path] = {}
+            for folder in (own_gestures.folder(), *self._own):
+                paths = sorted(folder.glob("*.csv"), key=_name)[: own_gestures.MOST]
+                found |= {_name(path): path for path in paths}  # one of the seat hides a common one
+            stats = {path: path.stat() for path in sorted(found.values(), key=_name)}
             stamps = {path: (stat.st_mtime_ns, stat.st_size) for path, stat in stats.items()}
         except OSError:
             stamps = {}
         if stamps != self._stamps:
-            self._stamps, self._found = stamps, tuple(read(path) for path in stamps)
+            self._stamps, self._found = stamps, tuple(self._gesture(path) for path in stamps)
         self._due_s = time.monotonic() + PERIOD_S
+
+    def _gesture(self, path: Path) -> OwnGesture:
+        return replace(read(path), common=bool(self._own) and path.parent not in self._own)
+
+
+def _name(path: Path) -> str:
+    return path.name.casefold()
 
 
 def read(path: Path) -> OwnGesture:
@@ -93,9 +105,9 @@ def read(path: Path) -> OwnGesture:
     return OwnGesture(name, own_gestures.emoji_of(text), text, wrong)
 
 
-def write(action: KeepGesture) -> Outcome:
-    """Write or delete a gesture, and return the outcome."""
-    folder = own_gestures.folder()
+def write(action: KeepGesture, *own: Path) -> Outcome:
+    """Write or delete a gesture in the folder `own`, or that of the user, and return the outcome."""
+    folder = (*own, own_gestures.folder())[0]
     file, old = folder / f"{action.name}.csv", folder / f"{action.instead}.csv"
     try:
         (folder / DELETED if action.instead else folder).mkdir(parents=True, exist_ok=True)

@@ -23,6 +23,8 @@ from gui.console.texts import Texts
 CONTROL: Final = "gestures"
 WRONG: Final = "⚠"
 """The picture of a gesture whose file cannot be played; a press says why."""
+EMOJI: Final = tuple("😀😂😍😎😜😇😏😋😢😭😡😱😴😳😵🙃🐱🐭🐵🐮❤⚡☀☃")
+"""Those that are offered: Windows and macOS have them in colour, and DejaVu Sans, which Linux has, in black and white."""
 TAKEN: Final = {"demo", *GESTURES}
 """Names of shipped choreographies, which `beatrix play` finds first."""
 
@@ -72,12 +74,12 @@ def _view(gesture: OwnGesture, off: str, world: World, texts: Texts) -> OwnGestu
         emoji, (key, slots) = WRONG, wrong_file(gesture.wrong, file)
     tooltip = texts(off or key, **slots)
     play = ButtonView(name, tooltip, Play(NEW, (), gesture=name), enabled=not off)
-    return OwnGestureView(name, emoji, play, menu)
+    return OwnGestureView(name, emoji, play, () if gesture.common else menu)
 
 
 def _wrong_name(memory: Memory, world: World, name: str, old: str = "") -> bool:
     """Return whether the gesture `old` (empty: a new one) cannot get a name; if so, show why."""
-    key, names = "", {gesture.name.casefold() for gesture in world.gestures}
+    key, names = "", {gesture.name.casefold() for gesture in world.gestures if not gesture.common}
     if not files.possible(name):
         key = "cannot.gesture_name"
     elif name.casefold() in TAKEN:
@@ -104,6 +106,8 @@ def _save(memory: Memory, world: World, intent: SaveGesture) -> list[Action]:
     if sequence.refuse_short(memory, timing.HOME, limits, loop=False):
         return []
     text = files.with_emoji(sequence.choreography_of(poses, limits), intent.emoji)
+    if len(text.encode()) > files.LARGEST_BYTES:  # poses with names that only a forged message has
+        return memory.refuse(CONTROL, "off.sequence_full", count=str(sequence.POSES_MAX))
     same = (gesture.name for gesture in world.gestures if gesture.name.casefold() == name.casefold())
     return begin(memory, world, KeepGesture(NEW, name, text, next(same, "")), CONTROL)
 

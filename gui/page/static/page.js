@@ -266,11 +266,14 @@ function showHead(head) {
   changed();
 }
 
-function showGestures({ gestures, programs, refusal }) {
+function showGestures({ gestures, programs, deletes, refusal }) {
   const row = byId("gestures"), all = [...gestures, ...programs];
   if (row.children.length !== all.length) row.replaceChildren(...all.map(() => make("button")));
   all.forEach(([, emoji, button], index) => bind(row.children[index], { ...button, text: `${emoji}\n${button.text}`.trim() })
     .classList.toggle("next", button.intent.do === "EndProgram"));
+  const own = byId("own");
+  if (own.children.length !== deletes.length) own.replaceChildren(...deletes.map(() => make("button")));
+  deletes.forEach(([name, button], index) => bind(own.children[index], { ...button, text: `✕ ${name}` }));
   showRefusal("refusal-gestures", refusal);
 }
 
@@ -499,7 +502,7 @@ connectBlocks({ text, bind, view, asLesson });
 connectLessons({ text, make, view });
 connectTabs();
 connectCards({ text, bind, make, view });
-connectGuide({ bind, view });
+connectGuide({ bind });
 connectGamepad({ view, stop });
 connectShow({ text, view, token });
 connectEyes(isOpen, () => showEyes(view));

@@ -17,10 +17,11 @@ from PyQt5.QtWidgets import (
 )
 
 from gui.console.state.intents import Theme
+from gui.console.state.own_gestures import EMOJI
 from gui.console.texts import Texts
 from gui.window.theme import style_of
 from gui.window.widgets.controls import filled, in_row, named, plain_button, spaced
-from gui.window.widgets.picture_button import EMOJI, emoji
+from gui.window.widgets.picture_button import emoji
 
 COLUMNS = 12
 PICTURE_PX, AIR_PX = 24, 8
