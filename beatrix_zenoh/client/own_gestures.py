@@ -31,10 +31,10 @@ def possible(name: str) -> bool:
     return bool(NAME.fullmatch(name)) and not DEVICES.fullmatch(name)
 
 
-def file_of(name: str) -> Path | None:
-    """Return the file of the gesture with this name; None if there is none."""
-    path = folder() / f"{name}.csv"
-    return path if possible(name) and path.is_file() else None
+def file_of(name: str, *before: Path) -> Path | None:
+    """Return the file of the gesture with this name; None if there is none. Folders `before` that of the user count first."""
+    paths = (place / f"{name}.csv" for place in (*before, folder()) if possible(name))
+    return next((path for path in paths if path.is_file()), None)
 
 
 def emoji_of(text: str) -> str:

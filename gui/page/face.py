@@ -5,36 +5,33 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cache
-from typing import Final, get_args
+from typing import Final
 
 import msgspec
 
-from beatrix_zenoh.client.choreography import EMOTIONS
-from beatrix_zenoh.client.own_gestures import possible
 from beatrix_zenoh.contract._generated.messages import LeaseAction
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.link import Link
 from gui.console.state import class_page, intents
 from gui.console.state.actions import (
+    FOLLOW,
     Action,
     AskLease,
     Hold,
-    LookForPorts,
     Outcome,
     SendStop,
-    StartSimulation,
 )
 from gui.console.state.arms import HoldArm, Steer
-from gui.console.state.intents import Intent, Tab
+from gui.console.state.intents import Intent, SaveGesture, Tab
+from gui.console.state.own_gestures import DeleteGesture
 from gui.console.state.saved import Saved
 from gui.console.state.state import State
-from gui.console.state.views import BannerView, ButtonView, ClassView, GesturesView, PillView, View
+from gui.console.state.views import View
 from gui.console.state.world import LinkPhase, World, online
-from gui.console.texts import Texts, load
-from gui.page import lessons_face
+from gui.console.texts import Texts
+from gui.page import lessons_face, parts
 from gui.page.lessons_face import Lessons
-from gui.page.messages import DRIVING, OWN, OpenProgram, SaveProgram
+from gui.page.messages import DRIVING, OpenProgram, SaveProgram
 from gui.page.shelf import Desk
 
 HISTORY: Final = 40
@@ -43,10 +40,6 @@ UNREAD_MAX: Final = 20
 """Largest number of unconfirmed views of a browser; it gets no more until it confirms one."""
 QUIET_S: Final = 0.5
 """Longest time between two views, even if nothing has changed: the page notices that its server is lost."""
-OFFERED: Final = get_args(OWN) + get_args(DRIVING)
-ENCODER: Final = msgspec.json.Encoder(enc_hook=str)  # `str`, because some buttons of the console name a file
-TEXT_KEYS: Final = ("page.", "picture.", "label.", "arm.", "gesture.", "blocks.")
-"""Beginnings of the keys of the texts that the scripts of the page use."""
 
 
 @dataclass
@@ -127,7 +120,9 @@ class Face:
     def open(self, saved: Saved) -> None:
         """Begin with the choices that the browser has kept."""
         self.state, self.aimed, self._fresh = State(saved), False, True
-        self.state.handle(intents.Choose("tab", Tab.EYES), self._world)
+        self.state.handle(
+            intents.Choose("tab", Tab.PLOTS), self._world
+        )  # pictures have web sockets of their own
 
     def show_class(self, *, on: bool) -> None:
         """Show or hide the table of all robots."""
@@ -139,6 +134,11 @@ class Face:
         states = [self._world.side(side).status for side in SIDES if online(self._world, side)]
         seat = None if self.driver is None else self.driver.seat
         return bool(states) and all(state is not None and state.holder == seat for state in states)
+
+    @property
+    def runs_program(self) -> bool:
+        """Whether *Follow* or *Listen* runs for this page."""
+        return self.own_link is not None and self.own_link.moving.python(time.monotonic()).running
 
     @property
     def own_link(self) -> Link | None:
@@ -185,13 +185,13 @@ class Face:
         self._follow(world)
         if self._unread >= UNREAD_MAX:
             return
-        parts = {name: ENCODER.encode(part) for name, part in self._parts(world, robots).items()}
-        changed = {name: part for name, part in parts.items() if self._sent.get(name) != part}
+        encoded = {name: parts.ENCODER.encode(part) for name, part in self._parts(world, robots).items()}
+        changed = {name: part for name, part in encoded.items() if self._sent.get(name) != part}
         if changed or world.now_s - self._sent_s >= QUIET_S:
             self._sent |= changed
             self._sent_s = world.now_s
             self._unread += 1
-            self._send(ENCODER.encode({name: msgspec.Raw(part) for name, part in changed.items()}))
+            self._send(parts.ENCODER.encode({name: msgspec.Raw(part) for name, part in changed.items()}))
 
     def seen(self) -> None:
         """Count a confirmation of the browser."""
@@ -207,6 +207,9 @@ class Face:
             self.state.handle(intents.Choose("hw", value="sim" not in here), world)
         driver = self.driver
         if driver is not None:
+            for action in self.state.celebration(world):
+                driver.beat()  # the page hears only now that its robot moves, and that it must beat faster
+                self._do(action)
             driver.asked &= set(here)
             for side in here:
                 if side not in driver.asked:
@@ -233,16 +236,17 @@ class Face:
             "saved": self.state.saved,
             "choices": view.choices,
             "language": texts.code,
-            "texts": _texts_of_page(texts.code),
+            "texts": parts.texts_of_page(texts.code),
             "eyes": self._eyes(view, world),
             "class": [{"cells": row.cells, "condition": row.condition} for row in rows],
-            "govern": _governing(view.class_page) if self.shows_class else None,
+            "govern": parts.governing(view.class_page) if self.shows_class else None,
             "empty": class_page.empty(world, texts) if self.shows_class else None,
-            "banner": _banner(view, world),
-            "pills": [_pill(pill) for pill in view.pills],
+            "banner": parts.banner(view, world),
+            "pills": [parts.pill(pill) for pill in view.pills],
             "head": replace(view.head, path=(), drag=replace(view.head.drag, border=())),
             "border": view.head.drag.border,
-            "gestures": {"gestures": _gestures(view.gestures), "refusal": view.gestures.refusal},
+            "guide": None if driver is None else parts.guide(view, self.state.saved.guided, texts),
+            "gestures": parts.gestures(view.gestures, texts),
             "history": view.history[:HISTORY],
             "programs": self.desk.view,
             "opened": self.desk.opened,
@@ -271,12 +275,17 @@ class Face:
     def _eyes(self, view: View, world: World) -> dict[str, object]:
         """Return the robot whose pictures the page shows, and why there are none."""
         choices = self.state.choices
-        sides = sorted(SIDES, key=lambda side: (not online(world, side), side not in choices.sides))
+        follows = world.program.runs(FOLLOW)
+        seeing = world.program.sides[:1] if follows else ()
+        sides = sorted(
+            SIDES,
+            key=lambda side: (side not in seeing, not online(world, side), side not in choices.sides),
+        )
         eye = next(eye for eye in view.eyes if (eye.side, eye.eye) == (sides[0], "left"))
         text = (
             "" if eye.text == choices.texts("eye.waiting") else eye.text
         )  # cameras work only while they are watched
-        return {"side": sides[0], "on": choices.cameras, "text": text}
+        return {"side": sides[0], "on": choices.cameras, "text": text, "follows": follows}
 
     # -- what the user does -------------------------------------------------------------------------
 
@@ -317,6 +326,13 @@ class Face:
         else:
             self.desk.open(request.name, request.seat)
 
+    def change_gestures(self, intent: SaveGesture | DeleteGesture) -> None:
+        """Save the sequence as a gesture of the seat, or delete one."""
+        if self.desk.may_save():
+            self.carry_out(intent)
+        else:
+            self.notify("page.program_too_often")
+
     def report(self, outcome: Outcome) -> None:
         """Show the outcome of a request."""
         self.state.report(outcome)
@@ -327,56 +343,3 @@ class Face:
         if self.driver is not None and self._busy:
             self.driver.stopped = True
             self.carry_out(intents.Stop())
-
-
-@cache
-def _texts_of_page(code: str) -> msgspec.Raw:
-    """Return the texts that the scripts of the page use, in one language; encoded once, because views are frequent."""
-    texts, _ = load(code)
-    return msgspec.Raw(
-        ENCODER.encode({name: text for name, text in texts.items() if name.startswith(TEXT_KEYS)})
-    )
-
-
-def _gestures(view: GesturesView) -> list[tuple[str, str, ButtonView]]:
-    """Return name, emoji and button of each gesture, those of the user at the end."""
-    shipped = [(name, EMOTIONS.get(name, ""), button) for name, button in view.gestures]
-    return shipped + [(own.name, own.emoji, own.play) for own in view.own if possible(own.name)]
-
-
-def _governing(view: ClassView | None) -> dict[str, object] | None:
-    """Return the buttons and sentences with which the teacher's page governs the class; None for other pages."""
-    if view is None:
-        return None
-    return {
-        "all": (view.freeze_all, view.unfreeze_all, view.limit),
-        "rows": [(row.freeze, row.take, row.show) for row in view.rows],
-        "seats": [(seat.text, seat.mute) for seat in view.seats],
-        "texts": (view.summary, view.limit_now, view.result),
-    }
-
-
-def _offered(button: ButtonView | None) -> ButtonView | None:
-    """Return the button, if pages may use its intent."""
-    return button if button is not None and isinstance(button.intent, OFFERED) else None
-
-
-def _pill(pill: PillView) -> PillView:
-    """Return the pill without a button that pages may not use, and without a reason that mentions it."""
-    offered = _offered(pill.next_step)
-    reason = pill.reason if offered == pill.next_step else ""
-    # The button beside *Drive* gives both robots back.
-    gives_back = pill.lease is not None and pill.lease.intent == AskLease(LeaseAction.GIVE_BACK, pill.side)
-    return replace(pill, next_step=offered, reason=reason, lease=None if gives_back else pill.lease)
-
-
-def _banner(view: View, world: World) -> BannerView | None:
-    """Return the banner without buttons that pages may not use; a text that mentions them is replaced."""
-    banner, texts = view.banner, view.choices.texts
-    if banner is None:
-        return None
-    buttons = tuple(button for button in banner.buttons if _offered(button))
-    if any(isinstance(button.intent, StartSimulation | LookForPorts) for button in banner.buttons):
-        key = "page.no_robot" if world.phase is LinkPhase.ONLINE else "page.no_router"
-        return BannerView(texts(key, robot=view.robot), buttons)
-    return BannerView(banner.text, buttons)

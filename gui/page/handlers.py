@@ -14,7 +14,9 @@ from tornado import web, websocket
 from beatrix_zenoh.client import CameraImage
 from gui.console.state import actions
 from gui.console.state.arms import Steer
-from gui.console.state.intents import Intent
+from gui.console.state.gestures import RunExample
+from gui.console.state.intents import Intent, SaveGesture
+from gui.console.state.own_gestures import EMOJI, DeleteGesture
 from gui.console.texts import DEFAULT_LANGUAGE, LANGUAGES, Texts
 from gui.page import messages, protection
 from gui.page.face import Face
@@ -71,8 +73,8 @@ class Guarded(web.RequestHandler):
             self.reject(403, protection.FOREIGN_ORIGIN)
 
     def get_template_namespace(self) -> dict[str, object]:
-        """Return what every template may use: also the path of the static files."""
-        return super().get_template_namespace() | {"static": self.context.static.root}
+        """Return what every template may use: also the path of the static files, and emoji."""
+        return super().get_template_namespace() | {"static": self.context.static.root, "emoji": EMOJI}
 
     def reject(self, status: int, sentence: str) -> None:
         """Reply with a sentence and end the request."""
@@ -259,6 +261,7 @@ HANDLES: Mapping[type, Callable[[Hub, Face, Never], None]] = {
     messages.Open: lambda _, face, request: face.open(request.saved),
     messages.Drive: lambda hub, face, request: hub.drive(face, request.name),
     Steer: lambda hub, face, request: hub.steer(face, request),
+    RunExample: lambda hub, face, request: hub.run_example(face, request),
     messages.Leave: lambda hub, face, _: hub.end_driver(face),
     messages.Hidden: lambda _, face, __: face.stop_moving(),
     messages.ShowClass: lambda _, face, request: face.show_class(on=request.on),
@@ -266,13 +269,14 @@ HANDLES: Mapping[type, Callable[[Hub, Face, Never], None]] = {
     messages.CheckProgram: lambda _, face, request: face.lessons.check(face, request),
     messages.AskHint: lambda _, face, request: face.lessons.hint(face, request),
     messages.OpenProgram: lambda _, face, request: face.use_programs(request),
+    **dict.fromkeys((SaveGesture, DeleteGesture), lambda _, face, request: face.change_gestures(request)),
     actions.ChooseRobot: lambda hub, face, request: hub.watch(face, request.name),
 }
 """What carries out the messages of a page; the others are heartbeats, or intents of the console."""
 
 
 class Pictures(Socket):
-    """The pictures of both eyes: each message is the number of the eye, 0 or 1, and a JPEG file."""
+    """The pictures of both eyes, or with `eye=left` of one: each message is the number of the eye, 0 or 1, and a JPEG file."""
 
     def open(self, *_: str, **__: str) -> None:
         """Begin to send pictures of the robot and side in the URL; close the web socket if that is not online."""
@@ -280,7 +284,9 @@ class Pictures(Socket):
         self._ready = [True, True]
         self._newest: list[CameraImage | None] = [None, None]
         """the picture of each eye that was not sent yet"""
-        self._cameras = self.context.hub.start_pictures(self, self.visitor or "", place, self.changed)
+        both = self.get_query_argument("eye", "") != "left"
+        start = self.context.hub.start_pictures
+        self._cameras = start(self, self.visitor or "", place, self.changed, both=both)
         if self._cameras:
             self.set_nodelay(True)
         else:

@@ -30,6 +30,7 @@ from gui.console.link.pictures import CameraStream, Watcher
 from gui.console.link.stopping import send_stop
 from gui.console.state.actions import ChooseRobot, SendStop
 from gui.console.state.arms import Steer
+from gui.console.state.gestures import RunExample
 from gui.console.state.intents import Stop
 from gui.page.face import Driver, Face
 from gui.page.lessons_face import Lessons
@@ -43,6 +44,8 @@ GONE_S: Final = 5.0
 """Longest time without a heartbeat of a page that drives; then the server gives the robot back."""
 OVERRIDE_S: Final = 1.0
 """Time at rest after which the stick of a teacher gives the robot back (s)."""
+PROGRAMS_MAX: Final = 4
+"""Largest number of pages for which *Follow* or *Listen* runs: each is a process of its own on this computer."""
 STOPS_KEPT: Final = 1024
 CLOSE_S: Final = 3.5
 """Time for links and subscriptions to close."""
@@ -126,7 +129,8 @@ class Hub:
     def _open(self, face: Face, settings: Settings) -> Link:
         """Return a link that reports to a page; it reads the robots' states from the session that all share."""
         report, shared = partial(self._call, face.report), self._link.session
-        link = Link(settings, report, lambda _, __: None, source=Source.PAGE, shared=shared)
+        own = (self._shelf.folder / face.visitor / "gestures",)
+        link = Link(settings, report, lambda _, __: None, source=Source.PAGE, shared=shared, gestures=own)
         link.look()
         return link
 
@@ -238,6 +242,14 @@ class Hub:
                 return  # the robots have not accepted the teacher yet
         face.carry_out(request)
 
+    def run_example(self, face: Face, request: RunExample) -> None:
+        """Run *Follow* or *Listen* for a page, unless they run for as many other pages as the computer can serve."""
+        others = sum(page.runs_program for page in self.pages if page is not face)
+        if face.driver is not None and others >= PROGRAMS_MAX:
+            face.notify("page.programs_many", most=str(PROGRAMS_MAX))
+        else:
+            face.carry_out(request)
+
     def check_heartbeats(self) -> None:
         """Stop moving robots whose page is silent; give a robot back if its page is silent for longer than GONE_S."""
         for face in self.pages:
@@ -290,9 +302,14 @@ class Hub:
 
     # -- pictures ------------------------------------------------------------------------------------
 
-    def start_pictures(self, viewer: Hashable, visitor: str, place: Place, show: OnPicture) -> list[Camera]:
-        """Begin to send pictures to a web socket; cameras work only while a page shows them. Returns both cameras."""
-        session, cameras = self._link.session, [(*place, eye) for eye in names.EYES]
+    def start_pictures(
+        self, viewer: Hashable, visitor: str, place: Place, show: OnPicture, *, both: bool = True
+    ) -> list[Camera]:
+        """Begin to send pictures of the left eye or both to a web socket, and return their cameras.
+
+        Cameras work only while a page shows them.
+        """
+        session, cameras = self._link.session, [(*place, eye) for eye in names.EYES[: 1 + both]]
         if session is None or place not in session.monitor.present() or place[0] not in self.robots(visitor):
             return []
         self._viewers[viewer] = cameras, show

@@ -10,9 +10,11 @@ from msgspec import Meta
 from beatrix_zenoh.client import own_gestures
 from beatrix_zenoh.client.choreography import GESTURES
 from beatrix_zenoh.contract._generated.messages import Command, LeaseAction
-from gui.console.state import actions, intents
+from gui.console.state import actions, intents, missions
 from gui.console.state.arms import HoldArm, ReleaseArm, Steer
+from gui.console.state.gestures import RunExample
 from gui.console.state.intents import SetDuration
+from gui.console.state.own_gestures import EMOJI, DeleteGesture
 from gui.console.state.saved import Saved
 
 Name = Annotated[str, Meta(min_length=1, max_length=32)]
@@ -112,6 +114,11 @@ OWN: Final = (
     | actions.Govern
     | ReleaseArm
     | actions.EndBlocks
+    | actions.EndProgram
+    | missions.ShowHint
+    | missions.SkipTask
+    | missions.CloseGuide
+    | missions.ResumeGuide
 )
 """Intents of every page: they change only this page, or stop robots."""
 DRIVING: Final = (
@@ -132,8 +139,11 @@ DRIVING: Final = (
     | intents.PlaySequence
     | intents.RunBlocks
     | actions.Play
+    | RunExample
+    | intents.SaveGesture
+    | DeleteGesture
 )
-"""Intents of a page that drives. No page may use other ones, for example those that start programs or name files."""
+"""Intents of a page that drives. No page may use other ones, for example those that start or name programs of its own."""
 CHOICES: Final = ("language", "speed", "lead_s", "sim", "hw", "cameras", "live", "send_on_release")
 """Choices that a page may change."""
 LEASES: Final = (LeaseAction.TAKE, LeaseAction.WAIT, LeaseAction.GIVE_BACK)
@@ -172,6 +182,8 @@ def _possible(request: Request) -> bool:
         case actions.Play(gesture=gesture):  # no file, and no poses: those are of the sequence
             known = gesture in GESTURES or own_gestures.possible(gesture)
             return known and request == actions.Play(actions.NEW, (), gesture=gesture)
+        case intents.SaveGesture(emoji=emoji):
+            return emoji in EMOJI
         case intents.RunCommand(command=command):
             return command in COMMANDS
         case intents.Choose(name=name):

@@ -175,12 +175,9 @@ class Desk:
 
     def save(self, request: SaveProgram) -> None:
         """Keep a program; the page shows when, or why not."""
-        now_s = time.monotonic()
-        self._saves = [moment_s for moment_s in self._saves if now_s - moment_s < SAVES_MAX * SAVE_S]
-        if len(self._saves) >= SAVES_MAX:
+        if not self.may_save():
             self._show(note=("page.program_too_often", {}))
             return
-        self._saves.append(now_s)
         program = request.program
         try:
             name = self._shelf.keep(self._seat, request.name, program, ran=request.ran, other=request.opens)
@@ -190,6 +187,13 @@ class Desk:
         if request.opens:
             self.opened = Opened(name, "", program)
         self._show(**_translated(program), note=("page.program_saved", {"time": time.strftime("%H:%M")}))
+
+    def may_save(self) -> bool:
+        """Count a save of a program or gesture; return whether it is not one too many."""
+        now_s = time.monotonic()
+        self._saves = [moment_s for moment_s in self._saves if now_s - moment_s < SAVES_MAX * SAVE_S]
+        self._saves.append(now_s)
+        return len(self._saves) <= SAVES_MAX
 
     def open(self, name: str, owner: str = "") -> None:
         """Open a program of this seat; the teacher may look at one of another seat. No name: only list them anew."""

@@ -9,13 +9,14 @@ from typing import Any
 
 import pytest
 from class_router import CLI, ClassRouter
-from robots import Process, until
+from robots import EVENT_S, Process, until
 from tornado.websocket import WebSocketClosedError
 from web_client import WebClient, WebSocket
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh import class_words as words
 from beatrix_zenoh.client import lesson_reports
+from gui.page import hub
 from gui.page.handlers import MALFORMED
 from gui.page.seats import WRONG_MAX, Seats
 
@@ -74,6 +75,51 @@ def test_each_page_drives_its_own_head_under_its_own_seat(
     )
     with router.robot("ana", "sim", "teacher") as robot:
         assert robot.status().holder == "ana"
+
+
+def button(view: dict[str, Any]) -> str:
+    """Return what the button *Follow* asks for."""
+    return view["gestures"]["programs"][0][2]["intent"]["do"]  # type: ignore[no-any-return]
+
+
+def test_the_head_of_a_seat_follows_with_its_account_until_the_page_ends_that(
+    browsers: dict[str, WebClient], router: ClassRouter, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(hub, "DEAD_MAN_S", EVENT_S)  # this page beats only when a view arrives
+    ana = ready(browsers["ana"])
+    with router.robot("ana", "sim", "teacher") as robot:
+        robot.move_target(1.0, -0.4, 0.1)
+        for end in ("EndProgram", "hidden"):
+            ana.send("RunExample", program="follow")
+            ana.state(lambda view: button(view) == "EndProgram" and view["eyes"]["follows"], "it has begun")
+            ana.state(lambda view: view["head"]["sim"]["yaw"] < -12.0, "the head turns to the person")
+            ana.send(end)
+            ana.state(lambda view: button(view) == "RunExample", f"it has ended by {end}")
+        assert robot.status().holder == "ana"
+
+
+def test_a_sequence_becomes_a_gesture_of_the_seat_which_plays_and_deletes_it(
+    browsers: dict[str, WebClient], router: ClassRouter, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(hub, "DEAD_MAN_S", EVENT_S)  # this page beats only when a view arrives
+    ana, file = ready(browsers["ana"]), router.folder / "programs/ana/gestures/wink.csv"
+    ana.send("AimHead", yaw=25.0, pitch=0.0, roll=0.0)
+    ana.send("AddPose", name="left")
+    ana.send("SetDuration", name="left", seconds=2.0)
+    ana.send("SaveGesture", name="wink", emoji="😎")
+
+    def there(view: dict[str, Any]) -> bool:
+        return any(one[:2] == ["wink", "😎"] for one in view["gestures"]["gestures"])
+
+    ana.state(there, "it has a button")
+    assert file.is_file()
+    ana.send("Play", row=0, sides=[], poses=[], again=[], lead_s=0.0, gesture="wink")
+    ana.state(lambda view: view["head"]["sim"]["yaw"] > 22.0, "the head plays it")
+    assert not any(one[0] == "wink" for one in ready(browsers["ben"]).view["gestures"]["gestures"])
+    ((name, button),) = ana.view["gestures"]["deletes"]
+    ana.send(**button["intent"])
+    ana.state(lambda view: not there(view), "its button is gone")
+    assert (name, file.is_file()) == ("wink", False)
 
 
 def test_a_page_cannot_show_or_drive_the_head_of_another_seat(browsers: dict[str, WebClient]) -> None:
@@ -141,6 +187,8 @@ OTHERS: list[dict[str, Any]] = [
         for name in ("../ana/secret", "../../words", "a/b", "..", "", "x" * 100, "C:secret", "secret\0")
     ),
     {"do": "save_program", "name": "huge", "program": "x" * 70_000},
+    *({"do": "SaveGesture", "name": name, "emoji": "😎"} for name in ("../ana/wink", "..", "a/b", "x" * 100)),
+    {"do": "DeleteGesture", "name": "../../ana/gestures/wink"},
     {"do": "check_program", "lesson": "../../seats/ana", "program": PROGRAM},
     {"do": "hint", "lesson": "../../seats/ana"},
     {"do": "Govern", "row": -1, "action": "mute", "seat": "ana"},

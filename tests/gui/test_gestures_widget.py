@@ -12,16 +12,16 @@ from pytestqt.qtbot import QtBot
 from beatrix_zenoh.client.choreography import GESTURES
 from beatrix_zenoh.contract.errors import wrong_usage
 from gui.console.state import gestures
-from gui.console.state.actions import FOLLOW, NEW, TURN, KeepGesture, OpenProgram, Play
+from gui.console.state.actions import FOLLOW, NEW, OpenProgram, Play
 from gui.console.state.gestures import RunExample
 from gui.console.state.intents import Intent, SaveGesture, Theme
 from gui.console.state.memory import Memory
-from gui.console.state.own_gestures import OpenGesture
+from gui.console.state.own_gestures import EMOJI, DeleteGesture, OpenGesture
 from gui.console.state.saved import Choices
 from gui.console.state.world import OwnGesture, ProgramProgress, World
 from gui.console.texts import Texts
 from gui.window.widgets.gestures import GesturesPanel
-from gui.window.widgets.picture_button import EMOJI, PictureButton
+from gui.window.widgets.picture_button import PictureButton
 
 LEFT = Qt.MouseButton.LeftButton
 WINK = OwnGesture("wink", "😜", "")
@@ -58,7 +58,7 @@ def test_each_button_reports_its_intent(panel: GesturesPanel, reported: list[Int
     for button in buttons(panel):
         QTest.mouseClick(button, LEFT)
     plays = (Play(NEW, (), gesture=name) for name in GESTURES)
-    assert reported == [*plays, RunExample(FOLLOW), RunExample(TURN), OpenProgram(FOLLOW)]
+    assert reported == [*plays, RunExample("follow"), RunExample("turn"), OpenProgram(FOLLOW)]
 
 
 def test_every_gesture_has_a_picture_of_its_own(panel: GesturesPanel) -> None:
@@ -99,7 +99,7 @@ def test_a_gesture_of_the_user_has_a_button_with_a_menu(panel: GesturesPanel, re
     assert reported == [
         Play(NEW, (), gesture="wink"),
         OpenGesture("wink"),
-        KeepGesture(NEW, "", "", "wink"),
+        DeleteGesture("wink"),
         SaveGesture("nod", "😜", old="wink"),
     ]
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
-from gui_worlds import absent, positions, refused, robot, status, world
+from gui_worlds import absent, account, positions, refused, robot, status, world
 from msgspec import structs
 
 from beatrix_zenoh.contract._generated.messages import Head, Reason
@@ -119,6 +119,13 @@ def test_the_lead_is_beaten_while_the_hardware_waits(intent: Intent, left_s: flo
     state.handle(intent, leading)
     state.follow(WELL)
     assert ("Mission 3" not in text(state)) is done
+
+
+@pytest.mark.parametrize("hardware", [True, False])
+def test_a_simulation_of_a_class_has_no_mission_about_leads(hardware: bool) -> None:
+    state = begun("lead")
+    state.follow(world(robot("sim"), robot("hw") if hardware else absent("hw"), account=account("ana")))
+    assert ("Mission 3" in text(state)) is hardware
 
 
 def test_the_first_run_is_skipped_step_by_step_or_closed_for_good() -> None:

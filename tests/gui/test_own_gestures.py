@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -21,14 +22,15 @@ from beatrix_zenoh.contract.errors import wrong_usage
 from gui.console.link.jobs import Jobs
 from gui.console.link.outcomes import WindowError
 from gui.console.link.own_gestures import OwnGestures, read, write
+from gui.console.state import gestures
 from gui.console.state.actions import KeepGesture
 from gui.console.state.intents import Choose, Intent, SaveGesture
-from gui.console.state.own_gestures import OpenGesture
-from gui.console.state.saved import Saved, SavedPose
+from gui.console.state.memory import Memory
+from gui.console.state.own_gestures import EMOJI, OpenGesture
+from gui.console.state.saved import Choices, Saved, SavedPose
 from gui.console.state.sequence import POSES_MAX
 from gui.console.state.state import State
 from gui.console.state.world import OwnGesture
-from gui.window.widgets.picture_button import EMOJI
 
 TEXT = "t_s,yaw_deg,pitch_deg,roll_deg,speed_deg_s\n0,10,0,0,30\n1,0,0,0,\n"
 POSES = (SavedPose("left", 20.0, 20.0, 20.0, 2.0), SavedPose("up", -8.0, 4.0, 4.0, 2.0))
@@ -119,6 +121,26 @@ def test_a_largest_number_of_gestures_can_be_renamed_and_replaced() -> None:
     state, now = State(Saved(poses=POSES)), world(gestures=tuple(own))
     assert state.handle(SaveGesture("new", "😜"), now) == []
     assert "Delete one first" in present(state.view(now).gestures.refusal).text
+
+
+def test_a_seat_has_a_folder_of_its_own_besides_the_common_ones(folder: Path, tmp_path: Path) -> None:
+    for name in ("wink", "nod"):
+        (folder / f"{name}.csv").write_text(WINK.text, encoding="utf-8")
+    jobs, seat = Jobs("test"), tmp_path / "ana"
+    own = OwnGestures(jobs, lambda _: None, (seat,))
+    try:
+        own.keep(KeepGesture(1, "wink", files.with_emoji(TEXT, "😎")))
+        until(lambda: len(own.newest(time.monotonic())) == 2, "the gestures are found")
+        found = {one.name: (one.emoji, one.common) for one in own.newest(time.monotonic())}
+        assert found == {"nod": ("😜", True), "wink": ("😎", False)}
+    finally:
+        jobs.close()
+        jobs.join(time.monotonic() + 5)
+    assert files.file_of("wink", seat) == seat / "wink.csv"
+    assert files.file_of("nod", seat) == folder / "nod.csv"
+    assert (folder / "wink.csv").read_text(encoding="utf-8") == WINK.text
+    (common,) = gestures.view(Memory(Choices(), ()), world(gestures=(replace(WINK, common=True),))).own
+    assert common.menu == (), "no page changes a common one"
 
 
 def kept(state: State, intent: Intent, *own: OwnGesture) -> KeepGesture:

@@ -65,7 +65,7 @@ def test_the_hardware_sees_if_it_moves_and_has_an_eye(
     given: tuple[Intent, ...], now: World, sides: tuple[str, ...]
 ) -> None:
     state = state_after(*given)
-    assert state.handle(RunExample(FOLLOW), now) == [RunProgram(1, FOLLOW, sides)]
+    assert state.handle(RunExample("follow"), now) == [RunProgram(1, FOLLOW, sides)]
 
 
 @pytest.mark.parametrize(
@@ -80,14 +80,14 @@ def test_the_hardware_sees_if_it_moves_and_has_an_eye(
 )
 def test_a_robot_without_a_working_eye_follows_no_face(given: tuple[Intent, ...], now: World) -> None:
     state = state_after(*given)
-    assert state.handle(RunExample(FOLLOW), now) == []
+    assert state.handle(RunExample("follow"), now) == []
     assert "eye" in present(state.view(now).gestures.refusal).text
 
 
 def test_the_panel_says_that_the_program_runs() -> None:
     state = state_after(BOTH)
     idle = state.view(faces()).sending
-    state.handle(RunExample(FOLLOW), faces())
+    state.handle(RunExample("follow"), faces())
     sending = state.view(faces(running=True)).sending
     assert (sending.title, "STOP" in sending.text) == ("Following", True)
     assert state.view(faces()).sending == idle

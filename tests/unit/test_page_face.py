@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import get_args
 from unittest.mock import MagicMock
@@ -17,10 +18,14 @@ from beatrix_zenoh.contract._generated.messages import LeaseAction, Status
 from beatrix_zenoh.contract.errors import WrongUsage
 from gui.console.state import actions
 from gui.console.state.actions import AskLease
+from gui.console.state.gestures import RunExample
+from gui.console.state.intents import Intent
+from gui.console.state.missions import STEPS, TASKS, CloseGuide, ResumeGuide, SkipTask
 from gui.console.state.world import World
 from gui.page import messages, protection, server
 from gui.page.face import Driver, Face
 from gui.page.handlers import MALFORMED
+from gui.page.hub import PROGRAMS_MAX, Hub
 from gui.page.lessons_face import Lessons
 from gui.page.protection import PinLogin
 from gui.page.shelf import Desk, Shelf
@@ -81,7 +86,7 @@ def test_a_page_cannot_name_files_or_start_programs() -> None:
     local = {action for action in vars(actions).values() if isinstance(action, type)} & {*allowed}
     known = {actions.ChooseRobot, actions.MakeReady, actions.AskLease, actions.SendNow, actions.Abort}
     # Play: of a gesture only, see the forged messages below; Govern: only the teacher's page has a class to govern.
-    assert local == {*known, actions.EndBlocks, actions.Play, actions.Govern}
+    assert local == {*known, actions.EndBlocks, actions.EndProgram, actions.Play, actions.Govern}
 
 
 # -- what a page may send, and what it does while it drives -----------------------------------------
@@ -100,6 +105,11 @@ def test_a_page_cannot_name_files_or_start_programs() -> None:
         '{"do":"Play","row":1,"sides":["sim"],"file":"/etc/passwd"}',
         '{"do":"Play","row":0,"sides":[],"gesture":"../demo"}',
         '{"do":"Play","row":0,"sides":["hw"],"gesture":"yes"}',
+        '{"do":"RunExample","program":"../own.py"}',
+        '{"do":"RunExample","program":"follow","file":"own.py"}',
+        '{"do":"RunProgram","row":-1,"file":"own.py"}',
+        '{"do":"SaveGesture","name":"wink","emoji":"x\\n0,0,0,0,30"}',
+        '{"do":"KeepGesture","row":-1,"name":"wink","text":""}',
     ],
 )
 def test_a_message_that_no_page_sends_is_invalid(forged: str) -> None:
@@ -116,6 +126,8 @@ def test_a_message_that_no_page_sends_is_invalid(forged: str) -> None:
         '{"do":"AimHead","yaw":180,"pitch":-30,"roll":0}',
         '{"do":"AddPose","name":"Kopf hoch"}',
         '{"do":"Play","row":0,"sides":[],"poses":[],"again":[],"lead_s":0.0,"gesture":"yes"}',
+        '{"do":"RunExample","program":"turn"}',
+        '{"do":"SaveGesture","name":"wink","emoji":"😎"}',
     ],
 )
 def test_a_message_of_a_button_or_a_field_is_read(sent: str) -> None:
@@ -164,6 +176,42 @@ def test_a_page_in_the_queue_does_not_say_that_it_drives(known: Status, text: st
     face._send = sent.append
     face.show(now, (now.robot,))
     assert msgspec.json.decode(sent[0])["you"]["text"] == text
+
+
+def test_a_page_that_drives_shows_missions_and_then_the_way_to_the_lessons() -> None:
+    now, shown = world(robot("sim"), absent("hw")), []
+    face, link = driving(now)
+    face._send = lambda sent: shown.append(msgspec.json.decode(sent).get("guide"))
+    for task in range(1, len(TASKS) + 1):  # the robot is ready
+        now = replace(now, now_s=now.now_s + 1.0)
+        face.show(now, (now.robot,))
+        assert (shown[-1]["skip"] is None) is (task == len(TASKS))
+        assert (shown[-1]["hint"] is not None) is (len(STEPS) <= task < len(TASKS))
+        face.carry_out(SkipTask())
+    assert shown[0]["text"].startswith("✓ Well done. Step 2 of 4")
+    assert "lessons" in shown[-1]["text"]
+    nods = [call.args[0] for call in link.do.call_args_list if isinstance(call.args[0], actions.Play)]
+    assert [nod.gesture for nod in nods] == ["yes"]
+    for closes, shows in ((CloseGuide(), "resume"), (ResumeGuide(), "text")):
+        face.carry_out(closes)
+        face.show(now, (now.robot,))
+        assert shows in shown[-1]
+    face.driver = None
+    face.show(now, (now.robot,))
+    assert shown[-1] is None, "a page that only watches has none"
+
+
+@pytest.mark.parametrize(("others", "runs"), [(PROGRAMS_MAX - 1, True), (PROGRAMS_MAX, False)])
+def test_programs_run_for_a_few_pages_at_once(
+    others: int, runs: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    face, _ = driving(world(robot("sim"), absent("hw")))
+    carried: list[Intent] = []
+    monkeypatch.setattr(face, "carry_out", carried.append)
+    pages = {face, *(MagicMock(runs_program=True) for _ in range(others)), MagicMock(runs_program=False)}
+    Hub.run_example(MagicMock(pages=pages), face, RunExample("follow"))
+    assert carried == [RunExample("follow")] * runs
+    assert bool(face._notice[0]) is not runs
 
 
 # -- the page ------------------------------------------------------------------------------------------

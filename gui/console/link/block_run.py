@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import threading
 import time
+from pathlib import Path
 from typing import Final
 
 from beatrix_zenoh.blocks.program import AXES, WrongProgram, read
@@ -29,10 +30,10 @@ POLL_S: Final = 0.05
 class BlockRun(Program):
     """One run of a program of blocks; `block` is the id of the present block."""
 
-    def __init__(self, action: RunBlocks, robots: Twin | Robot) -> None:
-        """Store the arguments."""
+    def __init__(self, action: RunBlocks, robots: Twin | Robot, own: tuple[Path, ...] = ()) -> None:
+        """Store the arguments; `own`: folders of gestures besides that of the user."""
         super().__init__(action.row, action.sides, BOTH if isinstance(robots, Twin) else robots.side)
-        self._action, self._robots = action, robots
+        self._action, self._robots, self._own = action, robots, own
         self._all = (robots.sim, robots.hw) if isinstance(robots, Twin) else (robots,)
         self._stops: list[StopEvents] = []
         self._part: RobotRequest | None = None
@@ -95,7 +96,7 @@ class BlockRun(Program):
     def gesture(self, name: str) -> None:
         """Play a gesture."""
         play = Play(self.row, self.sides, lead_s=self._action.lead_s, gesture=name)
-        self._carry_out(Playing(play, self._robots))
+        self._carry_out(Playing(play, self._robots, own=self._own))
 
     def wait(self, seconds: float) -> None:
         """Wait."""

@@ -24,10 +24,16 @@ from gui.console.state.refusals import wrong_file
 class Playing(Program):
     """One play."""
 
-    def __init__(self, action: Play, robots: Twin | Robot, sounds: Sounds | None = None) -> None:
-        """Store the arguments; without sounds it is silent."""
+    def __init__(
+        self,
+        action: Play,
+        robots: Twin | Robot,
+        sounds: Sounds | None = None,
+        own: tuple[Path, ...] = (),
+    ) -> None:
+        """Store the arguments; without sounds it is silent; `own`: folders of gestures besides that of the user."""
         super().__init__(action.row, action.sides, BOTH if isinstance(robots, Twin) else robots.side)
-        self._action, self._robots, self.title = action, robots, action.title
+        self._action, self._robots, self._own, self.title = action, robots, own, action.title
         self._sounds = sounds
         self._track: Path | None = None
         """what is heard from the first pose of each round on; None: nothing"""
@@ -45,7 +51,7 @@ class Playing(Program):
         from beatrix_zenoh.paths.follow import robots_of  # noqa: PLC0415  # numpy would delay the window
         from beatrix_zenoh.paths.path import check_choreography  # noqa: PLC0415
 
-        action, found = self._action, read(self._action)
+        action, found = self._action, read(self._action, *self._own)
         self.check()
         infos = [robot.info() for robot in self._both]
         if action.gesture in GESTURES:
@@ -94,14 +100,14 @@ def _poses(poses: Iterable[ArmPose]) -> Choreography:
     return Choreography(steps)
 
 
-def read(action: Play) -> Choreography:
+def read(action: Play, *own: Path) -> Choreography:
     """Return the choreography to play; raises WindowError if the file of a gesture of the user cannot be used."""
     name = action.gesture
     if not name:
         return _poses(action.poses)
     if name in GESTURES:
         return choreography.shipped(name)
-    file = own_gestures.file_of(name)
+    file = own_gestures.file_of(name, *own)
     if file is None:
         raise WindowError(Reason.BAD_VALUE, "result.no_gesture", name=name)
     found = read_gesture(file)

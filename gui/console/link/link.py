@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import Never, TypeVar
 
 from beatrix_zenoh.client.stopping import StopSender
@@ -51,6 +52,7 @@ class Link:
         name_given: bool = True,
         source: Source = Source.WINDOW,
         shared: Session | None = None,
+        gestures: tuple[Path, ...] = (),
     ) -> None:
         """Create the link; nothing is connected yet.
 
@@ -62,6 +64,7 @@ class Link:
                 teacher one of several.
             source: the face, for the events of robots.
             shared: a session whose states of robots and seats this link reads; None: it receives them itself.
+            gestures: the folder of the seat's own gestures, besides the common ones; none: that of the user.
         """
         self._on_outcome, self._on_image = on_outcome, on_image
         self._default_seat = names.default_seat()
@@ -72,9 +75,9 @@ class Link:
         self._connection = Connection(
             settings, jobs, self._follow, name_given=name_given, source=source, shared=shared
         )
-        self.moving = Moving(jobs, report)
+        self.moving = Moving(jobs, report, gestures)
         self._editor, self._stop_sender = Editor(), StopSender("window")
-        self._lessons, self._gestures = LessonReports(jobs), OwnGestures(jobs, report)
+        self._lessons, self._gestures = LessonReports(jobs), OwnGestures(jobs, report, gestures)
         period_s = PROBE_S if shared is None else PROBE_SHARED_S
         self._probes = {side: Probe(side, jobs, period_s) for side in SIDES}
         self._looks = (
@@ -94,9 +97,7 @@ class Link:
 
     def look(self) -> None:
         """Look for the router, and for a robot, if it is time; `world` does this, too."""
-        now_s = time.monotonic()
-        self._connection.look(now_s)
-        self._gestures.newest(now_s)
+        self._connection.look(time.monotonic())
 
     @property
     def session(self) -> Session | None:

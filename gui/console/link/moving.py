@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 from typing import Final
 
 from beatrix_zenoh.client import lease
@@ -46,9 +47,9 @@ RobotAction = (
 class Moving:
     """Carries out requests for one robot or both; no method waits for a robot. Any thread may call them."""
 
-    def __init__(self, jobs: Jobs, report: Report) -> None:
-        """Store the arguments; `report` is called with the outcomes of requests."""
-        self._jobs, self._report = jobs, report
+    def __init__(self, jobs: Jobs, report: Report, own: tuple[Path, ...] = ()) -> None:
+        """Store the arguments; `report` is called with outcomes; `own`: folders of gestures besides that of the user."""
+        self._jobs, self._report, self._own = jobs, report, own
         self.person, self.sounds = SimulatedPerson(jobs), Sounds(jobs)
         self._python: ProgramRun | None = None
         """the program of Python that was started last"""
@@ -97,9 +98,9 @@ class Moving:
             case actions.Send(row=row, query=query):
                 self._put(OneMotion(row, robots[0], query))
             case actions.Play():
-                self._put(Playing(action, twin if len(robots) > 1 else robots[0], self.sounds))
+                self._put(Playing(action, twin if len(robots) > 1 else robots[0], self.sounds, self._own))
             case actions.RunBlocks():
-                self._put(BlockRun(action, twin if len(robots) > 1 else robots[0]))
+                self._put(BlockRun(action, twin if len(robots) > 1 else robots[0], self._own))
             case actions.SendCommand(row=row, command=command, value=value):
                 self._ask(row, robots, lambda robot: robot.command(command, value=value).message)
             case actions.AskLease(row=row, action=asked):

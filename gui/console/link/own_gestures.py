@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -26,8 +27,9 @@ DELETED: Final = "deleted"
 class OwnGestures:
     """Reads the folder again when a file has changed; the methods are called in one thread only."""
 
-    def __init__(self, jobs: Jobs, report: Callable[[Outcome], None]) -> None:
-        self._jobs, self._report = jobs, report
+    def __init__(self, jobs: Jobs, report: Callable[[Outcome], None], own: tuple[Path, ...] = ()) -> None:
+        """Store the arguments; `own`: the folder of a seat, for which those in the folder of the user are common."""
+        self._jobs, self._report, self._own = jobs, report, own
         self._reads = Repeated(jobs, "gestures", PERIOD_S)
         self._stamps: dict[Path, files.Stamp | None] = {}
         self._found: tuple[OwnGesture, ...] = ()
@@ -39,8 +41,11 @@ class OwnGestures:
 
     def keep(self, action: KeepGesture) -> None:
         """Write or delete a gesture; returns at once."""
-        self._jobs.put("gestures", lambda: self._carry_out(action.row, lambda: write(action)))
-        self._due_s = 0.0
+        self._jobs.put("gestures", lambda: self._keep(action))
+
+    def _keep(self, action: KeepGesture) -> None:
+        self._carry_out(action.row, lambda: write(action, *self._own))
+        self._read()
 
     def exchange(self, action: ShareGesture | FetchGestures, session: Session) -> None:
         """Give a gesture to the class, or get those of the class; returns at once."""
@@ -55,10 +60,20 @@ class OwnGestures:
             self._report(done(row, "", "Done."))
 
     def _read(self) -> None:
-        paths = sorted(own_gestures.folder().glob("*.csv"), key=lambda path: path.name.casefold())
-        stamps = {path: files.stamp(path) for path in paths[: own_gestures.MOST]}
+        found: dict[str, Path] = {}
+        for folder in (own_gestures.folder(), *self._own):
+            paths = sorted(folder.glob("*.csv"), key=_name)[: own_gestures.MOST]
+            found |= {_name(path): path for path in paths}  # one of the seat hides a common one
+        stamps = {path: files.stamp(path) for path in sorted(found.values(), key=_name)}
         if stamps != self._stamps:
-            self._stamps, self._found = stamps, tuple(read(path) for path in stamps)
+            self._stamps, self._found = stamps, tuple(self._gesture(path) for path in stamps)
+
+    def _gesture(self, path: Path) -> OwnGesture:
+        return replace(read(path), common=bool(self._own) and path.parent not in self._own)
+
+
+def _name(path: Path) -> str:
+    return path.name.casefold()
 
 
 def read(path: Path) -> OwnGesture:
@@ -75,9 +90,12 @@ def read(path: Path) -> OwnGesture:
     return OwnGesture(name, own_gestures.emoji_of(text), text, wrong)
 
 
-def write(action: KeepGesture) -> None:
-    """Write or delete a gesture; what it replaces goes to the deleted ones. Raises WindowError."""
-    folder = own_gestures.folder()
+def write(action: KeepGesture, *own: Path) -> None:
+    """Write or delete a gesture in the folder `own`, or that of the user; what it replaces goes to the deleted ones.
+
+    Raises WindowError.
+    """
+    folder = (*own, own_gestures.folder())[0]
     file, old = folder / f"{action.name}.csv", folder / f"{action.instead}.csv"
     try:
         (folder / DELETED).mkdir(parents=True, exist_ok=True)

@@ -8,13 +8,16 @@ import contextlib
 import os
 import re
 import subprocess
+import tempfile
 import time
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Final
 
 import msgspec
 
 from beatrix_zenoh import processes, threads
+from beatrix_zenoh.client import Client
 from beatrix_zenoh.client.robot import Robot
 from beatrix_zenoh.contract import tracebacks
 from beatrix_zenoh.contract._generated.messages import Detail, Reason, TargetReply
@@ -83,6 +86,16 @@ class ProgramRun(Program):
             tracebacks.VARIABLE: tracebacks.DATA,
         }
         with contextlib.ExitStack() as scene:
+            if (
+                settings.account is not None
+            ):  # a server of pages has one for each seat, and another one itself
+                file = (
+                    Path(scene.enter_context(tempfile.TemporaryDirectory(prefix="beatrix-"))) / "account.toml"
+                )
+                file.write_text(
+                    settings.account.text(), encoding="utf-8"
+                )  # only its owner may read the folder
+                environment["BEATRIX_ACCOUNT"] = str(file)
             self._prepare(scene)
             self.check()
             words = ("--program", str(self._action.file), *sides)
@@ -144,9 +157,9 @@ def walking(settings: Settings, person: SimulatedPerson) -> Iterator[None]:
     """Let the simulated person sway during the block if it stands still, until the user drags it."""
     with contextlib.ExitStack() as ends:
         with contextlib.suppress(BeatrixError):  # the program follows without it, too
-            name, connect, who = settings.robot, settings.connect, settings.who
             # In a session of its own: that of the window closes before this program has ended.
-            robot = ends.enter_context(Robot(name, side="sim", connect=connect, who=who))
+            client = ends.enter_context(contextlib.closing(Client(settings)))
+            robot = ends.enter_context(Robot(settings.robot, side="sim", client=client))
             stood = robot.target()
             time.sleep(STILL_S)
             if robot.target() == stood:

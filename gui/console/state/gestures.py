@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Final, Literal
 
 from msgspec import structs
 
@@ -29,14 +30,16 @@ from gui.console.texts import Texts
 CONTROL = "gestures"
 EYE = "left"
 """The eye with which the shipped program sees."""
+Example = Literal["follow", "turn"]
+PROGRAMS: Final[dict[Example, Path]] = {"follow": FOLLOW, "turn": TURN}
 TESTS = ("pattern", "tone")
 """Sources of eyes and ears that never see or hear a person."""
 
 
 class RunExample(Intent, frozen=True):
-    """Run a shipped program that sees, with the checked robots."""
+    """Run a shipped program that sees or hears, with the checked robots."""
 
-    file: Path
+    program: Example
 
 
 def view(memory: Memory, world: World) -> GesturesView:
@@ -45,9 +48,9 @@ def view(memory: Memory, world: World) -> GesturesView:
     off = "" if memory.choices.sides else "off.unchecked"
     follow, turn = (
         button(texts, "gesture.end", EndProgram())  # it can always be ended
-        if world.program.runs(program)
-        else button(texts, key, RunExample(program), off)
-        for program, key in ((FOLLOW, "gesture.follow"), (TURN, "gesture.turn"))
+        if world.program.runs(file)
+        else button(texts, f"gesture.{program}", RunExample(program), off)
+        for program, file in PROGRAMS.items()
     )
     shown = TURN if world.program.file == TURN else FOLLOW
     return GesturesView(
@@ -85,12 +88,12 @@ def run_example(memory: Memory, world: World, intent: RunExample) -> list[Action
     sides = memory.choices.sides
     if unreachable(memory, world, sides, CONTROL):
         return []
-    can, lacks = (hears, "ear") if intent.file == TURN else (sees, "eye")
+    can, lacks = (hears, "ear") if intent.program == "turn" else (sees, "eye")
     able = [side for side in ("hw", "sim") if side in sides and can(world.side(side))]
     if not able:
         return memory.refuse(CONTROL, f"cannot.no_{lacks}" if len(sides) == 1 else f"cannot.no_{lacks}s")
     others = tuple(side for side in sides if side != able[0])
-    return begin(memory, world, RunProgram(NEW, intent.file, (able[0], *others)), CONTROL)
+    return begin(memory, world, RunProgram(NEW, PROGRAMS[intent.program], (able[0], *others)), CONTROL)
 
 
 def sees(robot: RobotState) -> bool:

@@ -24,8 +24,8 @@ MISSIONS: Final = ("no", "edge", "lead", "hm", "arm", "sleepy", "circle", "dance
 TASKS: Final = (*STEPS, *MISSIONS)
 AIMED_DEG: Final = 3.0
 """How far a target differs from the head, in one axis, so that it counts as dragged."""
-CLOSED: Final = 99
-"""Number of done tasks after which nothing is shown."""
+CLOSED: Final = 50
+"""Is added to the number of done tasks while nothing is shown."""
 DANCE: Final = 3
 """Poses of a dance."""
 CHEER_S: Final = 0.5, 3.0
@@ -56,11 +56,15 @@ class OpenGuide(Intent, frozen=True):
     """Show the strip again: the next task, or the lessons."""
 
 
+class ResumeGuide(Intent, frozen=True):
+    """Go on where the strip was closed."""
+
+
 class ShowHint(Intent, frozen=True):
     """Show the hint of the present mission."""
 
 
-HANDLED: Final = (SkipTask, CloseGuide, OpenGuide, ShowHint, OpenLesson, ShowSheet)
+HANDLED: Final = (SkipTask, CloseGuide, OpenGuide, ResumeGuide, ShowHint, OpenLesson, ShowSheet)
 
 
 class SeenMoves:
@@ -136,6 +140,8 @@ class Guide:
             self._cheer_s = world.now_s
         if self.done >= len(TASKS) or self._reads:
             return
+        if TASKS[self.done] == "lead" and world.account is not None and not online(world, "hw"):
+            self.done += 1  # in a class, the own head of a seat is a simulation alone
         # None of them is a solution.
         others_move = world.playing or world.block is not None or world.program.running
         for side in () if others_move else SIDES:
@@ -152,7 +158,7 @@ class Guide:
 
     def celebration(self, memory: Memory, world: World) -> list[Action]:
         """Return the gesture of the simulated head, if something was just done and the user lets it rest."""
-        if not CHEER_S[0] <= world.now_s - self._cheer_s <= CHEER_S[1]:
+        if world.is_teacher or not CHEER_S[0] <= world.now_s - self._cheer_s <= CHEER_S[1]:
             return []
         newest, texts = memory.rows[-1] if memory.rows else None, memory.choices.texts
         moves = world.plan or world.playing or world.block is not None or world.program.running
@@ -175,7 +181,9 @@ class Guide:
                 self._hint = not self._hint
                 return []
             case CloseGuide():
-                self.done = CLOSED
+                self.done = CLOSED + min(self.done, len(TASKS))
+            case ResumeGuide():
+                self.done = min(self.done % CLOSED, len(TASKS))
             case OpenGuide():
                 self.done, self._reads = min(self.done, len(TASKS)), False
             case _:

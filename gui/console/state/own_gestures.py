@@ -23,8 +23,16 @@ from gui.console.texts import Texts
 CONTROL: Final = "gestures"
 WRONG: Final = "⚠"
 """The picture of a gesture whose file cannot be played; a press says why."""
+EMOJI: Final = tuple("😀😂😍😎😜😇😏😋😢😭😡😱😴😳😵🙃🐱🐭🐵🐮❤⚡☀☃")
+"""Those that are offered: Windows and macOS have them in colour, and DejaVu Sans, which Linux has, in black and white."""
 TAKEN: Final = {"demo", *GESTURES}
 """Names of shipped choreographies, which `beatrix play` finds first."""
+
+
+class DeleteGesture(Intent, frozen=True):
+    """Move a gesture to the deleted ones."""
+
+    name: str
 
 
 class OpenGesture(Intent, frozen=True):
@@ -51,24 +59,24 @@ def _view(gesture: OwnGesture, off: str, world: World, texts: Texts) -> OwnGestu
         *share,
         button(texts, "gesture.edit", OpenGesture(name)),
         button(texts, "gesture.rename", SaveGesture(name, emoji, old=name)),
-        button(texts, "gesture.delete", KeepGesture(NEW, "", "", name)),
+        button(texts, "gesture.delete", DeleteGesture(name)),
     )
     key, slots = ("gesture.own_tip", {"file": file})
     if gesture.wrong is not None:
         emoji, (key, slots) = WRONG, wrong_file(gesture.wrong, file)
     tooltip = texts(off or key, **slots)
     play = ButtonView(name, tooltip, Play(NEW, (), gesture=name), enabled=not off)
-    return OwnGestureView(name, emoji, play, menu)
+    return OwnGestureView(name, emoji, play, () if gesture.common else menu)
 
 
 def _wrong_name(memory: Memory, world: World, name: str, old: OwnGesture | None) -> bool:
     """Return whether the gesture `old` (None: a new one) cannot get this name; if so, show why."""
-    key = ""
+    key, count = "", sum(not gesture.common for gesture in world.gestures)
     if not files.possible(name):
         key = "cannot.gesture_name"
     elif name.casefold() in TAKEN:
         key = "cannot.gesture_taken"
-    elif old is None and len(world.gestures) >= files.MOST:
+    elif old is None and count >= files.MOST:
         key = "cannot.gesture_many"
     if key:
         memory.refuse(CONTROL, key, name=name, most=str(files.MOST), shipped=", ".join(sorted(TAKEN)))
@@ -103,8 +111,8 @@ def _sequence(memory: Memory, world: World) -> str:
 
 
 def _find(world: World, name: str) -> OwnGesture | None:
-    named = (gesture for gesture in world.gestures if gesture.name.casefold() == name.casefold())
-    return next(named, None)
+    own = (gesture for gesture in world.gestures if not gesture.common)
+    return next((gesture for gesture in own if gesture.name.casefold() == name.casefold()), None)
 
 
 def _open(memory: Memory, world: World, intent: OpenGesture) -> list[Action]:
@@ -118,14 +126,18 @@ def _open(memory: Memory, world: World, intent: OpenGesture) -> list[Action]:
     return sequence.open_file(memory, world, gesture.text)
 
 
-def _request(
-    memory: Memory, world: World, intent: KeepGesture | ShareGesture | FetchGestures
-) -> list[Action]:
+def _delete(memory: Memory, world: World, intent: DeleteGesture) -> list[Action]:
+    gesture = _find(world, intent.name)
+    return [] if gesture is None else begin(memory, world, KeepGesture(NEW, "", "", gesture.name), CONTROL)
+
+
+def _request(memory: Memory, world: World, intent: ShareGesture | FetchGestures) -> list[Action]:
     return begin(memory, world, intent, CONTROL)
 
 
 HANDLES: Handles = {
-    **dict.fromkeys((KeepGesture, ShareGesture, FetchGestures), _request),
+    **dict.fromkeys((ShareGesture, FetchGestures), _request),
+    DeleteGesture: _delete,
     SaveGesture: _save,
     OpenGesture: _open,
 }

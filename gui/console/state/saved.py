@@ -79,7 +79,7 @@ class Saved(Remembered, frozen=True):
     music: str = ""
     """path of the music beside the poses; empty: none"""
     guided: Annotated[int, Meta(ge=0, le=99)] = 0
-    """how many of `missions.TASKS` are done; 99: the strip is closed"""
+    """how many of `missions.TASKS` are done, and `missions.CLOSED` more while the strip is closed"""
 
 
 def path(platform: str = sys.platform, environment: Mapping[str, str] = os.environ) -> Path:

@@ -188,6 +188,8 @@ class OwnGesture:
     """of its file"""
     wrong: WrongUsage | None = None
     """why it cannot be played; None: it can"""
+    common: bool = False
+    """whether all pages of a server have it, so that none of them changes it"""
 
 
 class CheckReport(msgspec.Struct, frozen=True):

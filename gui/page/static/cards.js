@@ -43,6 +43,9 @@ function showSequence({ cards, add, play, hardware, undo, played }) {
   }
   bind(byId("add"), add, () => ({ name: byId("pose-name").value }));
   bind(byId("take-back"), undo);
+  const gesture = { text: text("sequence.gesture"), tooltip: text("sequence.gesture_tip"), intent: { do: "SaveGesture" }, enabled: true };
+  byId("gesture-row").hidden = !cards.length;
+  bind(byId("as-gesture"), gesture, () => ({ name: byId("gesture-name").value, emoji: byId("gesture-emoji").value }));
   bind(byId("play"), play);
   bind(byId("hardware"), hardware);
 }

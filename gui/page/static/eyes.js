@@ -1,9 +1,11 @@
-// Shows the pictures of both eyes; the web socket for them is open only while they are visible.
+// Shows the pictures of both eyes, and that of the left one beside the head while *Follow* runs; the web socket for them
+// is open only while they are visible.
 const RETRY_MS = 1000;
 let socket = null;
 let shown = ""; // robot and side of the socket
 let visible = false;
 let connected = () => false;
+const beside = document.getElementById("eye");
 const images = ["left_eye", "right_eye"].map((name) => {
   const figure = document.createElement("figure");
   const caption = document.createElement("figcaption");
@@ -22,11 +24,13 @@ export function connectEyes(isConnected, changed) {
 
 export function showEyes({ robot, eyes, texts }) {
   if (!eyes) return;
-  const { side, on, text } = eyes;
+  const { side, on, text, follows } = eyes;
+  beside.hidden = !follows;
   document.getElementById("looking").checked = on;
   document.querySelector("#eyes .pictures").hidden = !on || Boolean(text);
   document.getElementById("eyes-hint").textContent = on ? text : texts["page.eyes_off"];
-  const wanted = on && !text && visible && !document.hidden && connected() ? `robot=${robot}&side=${side}` : "";
+  const both = on && !text && visible;
+  const wanted = (both || follows) && !document.hidden && connected() ? `robot=${robot}&side=${side}${both ? "" : "&eye=left"}` : "";
   if (wanted !== shown) open(wanted);
 }
 
@@ -35,6 +39,7 @@ function open(wanted) {
   socket = null;
   shown = wanted;
   images.forEach((image) => { release(image); image.removeAttribute("src"); });
+  beside.removeAttribute("src");
   if (!wanted) return;
   const own = socket = new WebSocket(`ws://${location.host}/pictures?${wanted}`);
   own.binaryType = "arraybuffer";
@@ -48,6 +53,7 @@ function draw(own, data) {
   release(image);
   image.onload = image.onerror = () => { if (own.readyState === WebSocket.OPEN) own.send(String(eye)); };
   image.src = URL.createObjectURL(new Blob([new Uint8Array(data, 1)], { type: "image/jpeg" }));
+  if (eye === 0) beside.src = image.src;
 }
 
 function release(image) {

@@ -5,6 +5,7 @@ import { connect, isOpen, send, sinceRequest, sinceSent, trouble } from "./conne
 import { connectEyes, showEyes } from "./eyes.js";
 import { changed, connectHead, receivePose, seenFromFront } from "./head.js";
 import { LESSONS, asLesson, connectLessons } from "./lessons.js";
+import { GUIDE, connectGuide } from "./guide.js";
 import { connectGamepad } from "./gamepad.js";
 import { connectShow, drawn } from "./show.js";
 import { connectTabs } from "./tabs.js";
@@ -147,6 +148,7 @@ const SHOW = {
     set(byId("stop"), view.robots?.length > 1 ? `${button.text} ${view.robot}` : button.text);
   },
   emergency: (button) => bind(byId("emergency"), button),
+  ...GUIDE,
   ...SEQUENCE,
   ...BLOCKS,
   ...LESSONS,
@@ -264,10 +266,14 @@ function showHead(head) {
   changed();
 }
 
-function showGestures({ gestures, refusal }) {
-  const row = byId("gestures");
-  if (row.children.length !== gestures.length) row.replaceChildren(...gestures.map(() => make("button")));
-  gestures.forEach(([, emoji, button], index) => bind(row.children[index], { ...button, text: `${emoji} ${button.text}`.trim() }));
+function showGestures({ gestures, programs, deletes, refusal }) {
+  const row = byId("gestures"), all = [...gestures, ...programs];
+  if (row.children.length !== all.length) row.replaceChildren(...all.map(() => make("button")));
+  all.forEach(([, emoji, button], index) => bind(row.children[index], { ...button, text: `${emoji}\n${button.text}`.trim() })
+    .classList.toggle("next", button.intent.do === "EndProgram"));
+  const own = byId("own");
+  if (own.children.length !== deletes.length) own.replaceChildren(...deletes.map(() => make("button")));
+  deletes.forEach(([name, button], index) => bind(own.children[index], { ...button, text: `✕ ${name}` }));
   showRefusal("refusal-gestures", refusal);
 }
 
@@ -496,6 +502,7 @@ connectBlocks({ text, bind, view, asLesson });
 connectLessons({ text, make, view });
 connectTabs();
 connectCards({ text, bind, make, view });
+connectGuide({ bind });
 connectGamepad({ view, stop });
 connectShow({ text, view, token });
 connectEyes(isOpen, () => showEyes(view));

@@ -9,10 +9,11 @@ from PyQt5.QtGui import QRegularExpressionValidator
 from PyQt5.QtWidgets import QLineEdit, QListWidget, QListWidgetItem, QSizePolicy, QWidget
 
 from gui.console.state.intents import Theme
+from gui.console.state.own_gestures import EMOJI
 from gui.console.texts import Texts
 from gui.window.theme import style_of
 from gui.window.widgets.controls import in_column, in_row, named, plain_button
-from gui.window.widgets.picture_button import EMOJI, emoji_font
+from gui.window.widgets.picture_button import emoji_font
 
 PICTURE_PX, CELL_PX = 22, 34
 """Height of an emoji, and side of its place, at scale 1."""

@@ -17,8 +17,6 @@ from gui.window.widgets.head3d_paint import painted
 
 PICTURE_PX = 26
 """Side of a picture at scale 1."""
-EMOJI: Final = tuple("😀😂😍😎😜😇😏😋😢😭😡😱😴😳😵🙃🐱🐭🐵🐮❤⚡☀☃")
-"""Those that are offered: Windows and macOS have them in colour, and DejaVu Sans, which Linux has, in black and white."""
 COLOUR_FONTS: Final = ("Noto Color Emoji", "Segoe UI Emoji", "Apple Color Emoji")
 
 
