@@ -66,8 +66,7 @@ class Link:
             shared: a session whose states of robots and seats this link reads; None: it receives them itself.
             gestures: the folder of the seat's own gestures, besides the common ones; none: that of the user.
         """
-        self._on_outcome, self._on_image = on_outcome, on_image
-        self._default_seat = names.default_seat()
+        self._on_outcome, self._on_image, self._default_seat = on_outcome, on_image, names.default_seat()
         jobs, report = Jobs("window"), self._report
         self._jobs = jobs
         self._cameras = Watcher[Camera, CameraStream]("cameras", jobs, lambda: self.session, self._see)
