@@ -95,6 +95,7 @@ def test_a_gamepad_turns_the_head_and_stops_it(port: int, robot: Robot, tmp_path
     robot.home()
     with Browser(tmp_path / "profile", FULL) as browser:
         browser.open(f"http://127.0.0.1:{port}/")
+        browser.wait(partial(shows, browser, "#drive", "Drive"), "the page knows its robot")
         browser.click("#drive")
         browser.wait(lambda: browser.run("!document.body.classList.contains('idle')"), "drives")
         browser.run(PADS)
