@@ -86,16 +86,11 @@ class ProgramRun(Program):
             tracebacks.VARIABLE: tracebacks.DATA,
         }
         with contextlib.ExitStack() as scene:
-            if (
-                settings.account is not None
-            ):  # a server of pages has one for each seat, and another one itself
-                file = (
-                    Path(scene.enter_context(tempfile.TemporaryDirectory(prefix="beatrix-"))) / "account.toml"
-                )
-                file.write_text(
-                    settings.account.text(), encoding="utf-8"
-                )  # only its owner may read the folder
-                environment["BEATRIX_ACCOUNT"] = str(file)
+            if settings.account is not None:
+                # A server of pages has one for each seat, and another one itself. Only its owner may read the folder.
+                made = Path(scene.enter_context(tempfile.TemporaryDirectory(prefix="beatrix-")))
+                (made / "account.toml").write_text(settings.account.text(), encoding="utf-8")
+                environment["BEATRIX_ACCOUNT"] = str(made / "account.toml")
             self._prepare(scene)
             self.check()
             words = ("--program", str(self._action.file), *sides)
