@@ -201,6 +201,8 @@ def test_the_simulated_head_celebrates_only_if_it_may(
     spoil: Callable[[State, World], World], celebrates: bool
 ) -> None:
     state = begun("hm")
+    for action in state.handle(SendHead(), WELL):
+        ended(state, action)
     state.follow(turned(0, 99, roll=16))
     actions = state.celebration(spoil(state, WELL))
     assert bool(actions) is celebrates

@@ -97,7 +97,7 @@ def test_a_gamepad_turns_the_head_and_stops_it(port: int, robot: Robot, tmp_path
         browser.open(f"http://127.0.0.1:{port}/")
         browser.wait(partial(shows, browser, "#drive", "Drive"), "the page knows its robot")
         browser.click("#drive")
-        browser.wait(lambda: browser.run("!document.body.classList.contains('idle')"), "drives")
+        browser.wait(lambda: "yours" in browser.text("#pills"), "it drives")
         browser.run(PADS)
         browser.run("window.pad.axes = [0.8, 0, 0]")
         until(lambda: robot.positions().head.yaw > 6, "the right of the stick is the right of the picture")

@@ -151,7 +151,9 @@ class Guide:
                 self._seen[side].note(seen, world.now_s)
         task = TASKS[self.done]
         if self._is_done(task, memory, world):
-            self._praise, self._cheer_s = True, world.now_s
+            self._praise = True
+            if memory.rows:  # otherwise another seat has done it, for example by making the robot ready
+                self._cheer_s = world.now_s
             self.done += 1
             if task != "drag":  # with Send on release, the target is sent while it is dragged
                 self._begin(memory)
