@@ -182,6 +182,9 @@ def test_a_page_that_drives_shows_missions_and_then_the_way_to_the_lessons() -> 
     now, shown = world(robot("sim"), absent("hw")), []
     face, link = driving(now)
     face._send = lambda sent: shown.append(msgspec.json.decode(sent).get("guide"))
+    face.carry_out(actions.MakeReady("sim"))
+    row = link.do.call_args.args[0].row
+    face.report(actions.Outcome(row, "sim", accepted=True, done=True))
     for task in range(1, len(TASKS) + 1):  # the robot is ready
         now = replace(now, now_s=now.now_s + 1.0)
         face.show(now, (now.robot,))
