@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 import typer
 
 from beatrix_zenoh import account, class_file
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import bad_value
 from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.output import note, say
 from beatrix_zenoh.settings import Settings, resolve
@@ -93,7 +92,7 @@ def _open(name: str | None, connect: str | None, who: str | None, port: int | No
             "Pages of the teacher could take robots from all other seats. Serve the class, where each page has the account "
             "of its seat, with `beatrix web --class class.toml`, or choose another seat with --who."
         )
-        raise Refused(Reason.BAD_VALUE, text)
+        raise bad_value(text)
     chosen = chosen_pin() if lan else None
     pin = chosen or (new_pin() if lan else None)
     notes = (

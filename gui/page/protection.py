@@ -13,8 +13,7 @@ from typing import Final, NamedTuple, Protocol
 
 from beatrix_zenoh import files
 from beatrix_zenoh.account import Account
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import WrongUsage
+from beatrix_zenoh.contract.errors import wrong_usage
 
 PIN_VARIABLE: Final = "BEATRIX_WEB_PIN"
 PIN_MIN, PIN_MAX = 6, 64
@@ -40,7 +39,7 @@ def chosen_pin() -> str | None:
     if pin is None or PIN_MIN <= len(pin) <= PIN_MAX:
         return pin
     text = f"The PIN in {PIN_VARIABLE} has {len(pin)} characters: choose {PIN_MIN} to {PIN_MAX}, or unset it to get a new PIN at each start."
-    raise WrongUsage(Reason.BAD_VALUE, text)
+    raise wrong_usage(text)
 
 
 def new_pin() -> str:

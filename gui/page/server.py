@@ -13,8 +13,7 @@ from typing import Final
 
 from tornado import httpserver, ioloop, iostream, web
 
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import bad_value
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import Shutdown
 from gui.page.gallery import Gallery, GalleryList, GalleryPicture
@@ -143,7 +142,7 @@ def bind(port: int, address: str) -> socket.socket:
             raise
         other = port + 1 if 1023 < port < 65535 else 8088
         text = f"Port {port} cannot be used: {os.strerror(error.errno)}. Choose another one with --port, for example {other}."
-        raise Refused(Reason.BAD_VALUE, text) from error
+        raise bad_value(text) from error
     listening.setblocking(False)  # noqa: FBT003
     return listening
 

@@ -8,8 +8,7 @@ from typing import Annotated
 
 import typer
 
-from beatrix_zenoh.contract._generated.messages import Reason
-from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.contract.errors import bad_value
 from beatrix_zenoh.settings import resolve
 from beatrix_zenoh.terminal.options import Connect, Name, Who
 from beatrix_zenoh.terminal.run import missing, run_command
@@ -68,8 +67,7 @@ def check_display() -> None:
     platform = os.environ.get("QT_QPA_PLATFORM", "").partition(":")[0]
     given = platform in WITHOUT_DISPLAY or any(os.environ.get(name) for name in DISPLAYS)
     if sys.platform.startswith("linux") and not given:
-        raise Refused(
-            Reason.BAD_VALUE,
+        raise bad_value(
             "No window can be opened because there is no display: neither DISPLAY nor WAYLAND_DISPLAY is set. Start "
             "`beatrix gui` on a computer with a screen; most other verbs of `beatrix` need no display.",
         )
