@@ -108,6 +108,7 @@ def test_a_gamepad_turns_the_head_and_stops_it(port: int, robot: Robot, tmp_path
         browser.run("window.pad.buttons[1].pressed = true")
         until(lambda: "STOP" in str(browser.run("document.getElementById('last').textContent")), "STOP")
         assert browser.errors() == []
+    until(lambda: not robot.status().holder, "free for the next test")
 
 
 CARDS = "[...document.querySelectorAll('.card')]"
