@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -12,7 +13,17 @@ from gui_worlds import absent, account, positions, refused, robot, status, world
 from msgspec import structs
 
 from beatrix_zenoh.contract._generated.messages import Head, Reason
-from gui.console.state.actions import Abort, Action, Outcome, Play, RunLesson, Send, SendNow, SendStop
+from gui.console.state.actions import (
+    Abort,
+    Action,
+    OpenProgram,
+    Outcome,
+    Play,
+    RunLesson,
+    Send,
+    SendNow,
+    SendStop,
+)
 from gui.console.state.intents import AimHead, Choose, Intent, SendHead, Stop
 from gui.console.state.lesson_strip import OpenLesson, ShowSheet
 from gui.console.state.missions import MISSIONS, STEPS, TASKS, CloseGuide, OpenGuide, ShowHint, SkipTask
@@ -229,14 +240,17 @@ def test_a_lesson_is_read_started_checked_and_passed_in_the_strip() -> None:
     assert lesson(state, **begun_).page.startswith("# Lesson 1: Hello, head")
     assert "/x/start.py" in lesson(state, **begun_).text
     state.handle(ShowSheet(""), WELL)
-    assert lesson(state, **begun_).buttons[1].intent == RunLesson("watch", 1)
+    assert [one.intent for one in lesson(state, **begun_).buttons[1:3]] == [
+        OpenProgram(Path("/x/start.py")),
+        RunLesson("watch", 1),
+    ]
     not_yet = CheckReport("01-hello", "not_yet", "nods", "none", "Nod.", "lesson-1.svg")
     shown = lesson(state, **begun_, watched=1, report=not_yet, note="No hint.")
     assert shown.text.splitlines() == [
         "Lesson 1: Hello, head. Not yet. Asked: nods. Found: none. Nod.",
         "No hint.",
     ]
-    assert [one.text for one in shown.buttons[1:4]] == ["End check", "Hint", "Picture"]
+    assert [one.text for one in shown.buttons[2:5]] == ["End check", "Hint", "Picture"]
     assert state.handle(ShowSheet("hint"), WELL) == [RunLesson("hint", 1)]
     assert lesson(state, **begun_, hint="Hint 1/3: Do it.").page == "Hint 1/3: Do it."
     refused_ = CheckReport(message="The account is the teacher's.")

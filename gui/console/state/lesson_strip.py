@@ -8,7 +8,7 @@ from typing import Final, Literal
 
 from beatrix_zenoh.files import from_here
 from beatrix_zenoh.lesson_files import Lesson, lessons
-from gui.console.state.actions import Action, RunLesson
+from gui.console.state.actions import Action, OpenProgram, RunLesson
 from gui.console.state.intents import Intent
 from gui.console.state.memory import Memory
 from gui.console.state.views import ButtonView, StripView, button
@@ -93,15 +93,17 @@ class LessonStrip:
         own = run.report.lesson in ("", lesson.name)
         report = run.report if own else CheckReport()
         passed, begun = lesson.name in run.passed, lesson.name in run.programs
+        program = Path(run.programs[lesson.name]) if begun else None
         head = texts("strip.lesson", number=float(lesson.number), title=lesson.title)
         text, watches = _said(report, texts) or lesson.goal, run.watched == lesson.number
-        if begun and not report.outcome and not run.note:
-            text = f"{text} {texts('strip.program', file=str(from_here(Path(run.programs[lesson.name]))))}"
+        if program is not None and not report.outcome and not run.note:
+            text = f"{text} {texts('strip.program', file=str(from_here(program)))}"
         after = next((one.number for one in all_known if one.number > lesson.number), 1)
         check = RunLesson("end" if watches else "watch", lesson.number)
         read = button(texts, "strip.read", OpenLesson(lesson.number))
         buttons = (
             read if self._sheet != "page" else button(texts, "strip.hide", ShowSheet("")),
+            button(texts, "strip.code", OpenProgram(program)) if begun else None,
             button(texts, "strip.end" if watches else "strip.check", check) if begun else None,
             button(texts, "strip.hint", ShowSheet("hint")) if begun else None,
             button(texts, "strip.picture", ShowSheet("picture")) if report.picture else None,

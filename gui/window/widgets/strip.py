@@ -14,7 +14,7 @@ from gui.console.state.views import ButtonView, StripView
 from gui.console.texts import Texts
 from gui.window.widgets.controls import Panel, Sheet, in_column, in_row, label, named, plain_button, set_role
 
-BUTTONS = 6
+BUTTONS = 7
 """Largest number of buttons."""
 SHEET = QSize(760, 480)
 """Least size of page and picture (px), if the window is as large."""
