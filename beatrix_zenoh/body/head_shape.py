@@ -32,35 +32,39 @@ def add_head(model: Modeller, size: HeadData, mounts: Sequence[Vector], face: Fa
     height, top = size.centre_height, (0.0, 0.0, 0.040)
     visor = (0.054, 0.0, height + SIZES.eye_up)
     model.ellipsoid("head", (0.0, 0.0, height + 0.003), (0.083, 0.078, 0.091), COLOURS.shell, 0.8)
-    model.ellipsoid("head", visor, (0.036, 0.063, 0.033), COLOURS.visor, 0.6)
     model.cylinder("head", (0.0, 0.0, 0.044), (0.0, 0.0, 1.0), (0.030, 0.012), COLOURS.trim)
     for x, y, z in mounts:
         ends = 0.044, size.mount_radius * 1.08
         model.tube("head", [(x * end, y * end, z * end) for end in ends], 0.0032, COLOURS.metal)
         post = [(x * 0.046, y * 0.046, z * 0.046), (x * 0.040, y * 0.040, z * 0.040 + 0.012), top]
         model.tube("head", post, 0.0065, COLOURS.trim)
+    sides = 1.0, -1.0
+    for side in sides:
+        _ear(model, (-0.006, side * 0.073, height + 0.012))
+    model.ellipsoid("head", visor, (0.036, 0.063, 0.033), COLOURS.visor, 0.6)
     smile = [
         (0.0735 - 4.0 * y * y, y, height - 0.056 + 9.0 * y * y) for y in (k * 0.006 for k in range(-4, 5))
     ]
     model.tube("head", smile, 0.0026, COLOURS.visor)
-    for side in (1.0, -1.0):
-        _side(model, size, side, face)
+    for side in sides:
+        _brow_and_cheek(model, height, side)
+    for side in sides:
+        _eye(model, (0.081, side * size.eye_baseline / 2, height + SIZES.eye_up), face)
 
 
-def _side(model: Modeller, size: HeadData, side: float, face: Face) -> None:
-    """Add eye, brow, cheek and ear of a side of the head: 1 is left, -1 right."""
-    height, eye = size.centre_height, (0.081, side * size.eye_baseline / 2, size.centre_height + SIZES.eye_up)
-    _eye(model, eye, face)
+def _ear(model: Modeller, ear: Vector) -> None:
+    model.cylinder("head", ear, OUT, (0.023, 0.012), COLOURS.trim)
+    model.cylinder("head", ear, OUT, (0.016, 0.016), COLOURS.rod)
+    model.cylinder("head", ear, OUT, (0.007, 0.019), COLOURS.trim)
+
+
+def _brow_and_cheek(model: Modeller, height: float, side: float) -> None:
     brow = [
         (0.0755 - 7.6 * y * y, side * y, height + 0.064 - 26.0 * (y - 0.033) ** 2)
         for y in (0.018 + 0.005 * k for k in range(7))
     ]
     model.tube("head", brow, 0.0032, COLOURS.visor)
     model.ellipsoid("head", (0.068, side * 0.046, height - 0.032), (0.004, 0.011, 0.008), COLOURS.cheek)
-    ear = (-0.006, side * 0.073, height + 0.012)
-    model.cylinder("head", ear, OUT, (0.023, 0.012), COLOURS.trim)
-    model.cylinder("head", ear, OUT, (0.016, 0.016), COLOURS.rod)
-    model.cylinder("head", ear, OUT, (0.007, 0.019), COLOURS.trim)
 
 
 def _eye(model: Modeller, eye: Vector, face: Face) -> None:

@@ -27,8 +27,8 @@ SHADES: Final = 24
 """Number of steps from black to the full colour."""
 OVERLAP_PX: Final = 0.7
 """By how much each face is enlarged, so that no ground shows between neighbours."""
-LIFT: Final = 0.007
-"""By how much (m) the parts on the skull count as nearer when faces are sorted; the last ones twice as much."""
+LIFT: Final = 0.010, 0.040
+"""By how much (m) the parts on the skull count as nearer when faces are sorted: all of them, and the last ones more."""
 HULL: Final = 60
 """Number of directions of an outline."""
 SKULL: Final = (0.0, 0.0, ROBOT.head.centre_height)
@@ -123,7 +123,7 @@ def _faces(mesh: Mesh) -> _Faces:
     normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     order = mesh.order[mesh.faces[:, 0]]
-    lifts = np.where((order > 0) & (mesh.body == "head"), LIFT * (1 + order), 0.0)
+    lifts = np.where((order > 0) & (mesh.body == "head"), LIFT[0] + LIFT[1] * order**2, 0.0)
     return _Faces(corners, corners.mean(axis=1), normals, lifts, mesh.colours[mesh.faces[:, 0]])
 
 

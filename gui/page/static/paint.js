@@ -3,7 +3,7 @@ import { apply, AWAY, place, times } from "./body.js";
 
 const LIGHT = [-0.425, 0.709, 0.567]; // direction to the light: right, up, towards the viewer
 const DARKEST = 0.42; // brightness of a face that is turned away from the light
-const LIFT = 0.007; // by how much (m) the parts on the skull count as nearer when faces are sorted
+const LIFT = [0.010, 0.040]; // by how much (m) the parts on the skull count as nearer when faces are sorted: all, the last more
 const BEHIND = `
   attribute vec3 at, normal, colour;
   uniform mat3 turn, axes;
@@ -43,7 +43,7 @@ function prepare({ path, points, solids }, tenths) {
       const [p, q] = [[c, a], [d, b]].map(([to, from]) => to.map((length, axis) => length - from[axis]));
       const normal = [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
       for (const corner of face) normals[corner] = normals[corner].map((length, axis) => length + normal[axis]);
-      faces.push({ corners: face, colour, normal: unit(normal), lift: path === "head" && solid ? LIFT * (1 + solid / solids.length) : 0 });
+      faces.push({ corners: face, colour, normal: unit(normal), lift: path === "head" && solid ? LIFT[0] + LIFT[1] * (solid / solids.length) ** 2 : 0 });
     }
   });
   return { path, at, faces, normals: normals.map(unit) };
