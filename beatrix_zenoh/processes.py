@@ -142,6 +142,14 @@ def end(process: subprocess.Popen[bytes], grace_s: float) -> None:
         process.wait()
 
 
+def end_with_children(process: subprocess.Popen[bytes], grace_s: float) -> None:
+    """End a process of `start_child` as `end` does, and kill what it has started."""
+    end(process, grace_s)
+    if sys.platform != "win32":  # there a process has no group that outlives it
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(process.pid, signal.SIGKILL)
+
+
 class Supervisor:
     """Child processes that run during a `with` block; the last one started ends first.
 

@@ -19,8 +19,8 @@ LARGEST: Final = 400
 """Largest report that is kept (bytes); a usual one has about 60."""
 LARGEST_GESTURE: Final = 2 * LARGEST_BYTES
 """Largest message with a gesture that is kept (bytes)."""
-GESTURES_MAX: Final = 20
-"""Largest number of gestures of a seat."""
+GESTURES_MAX: Final = 48
+"""Number of gestures of a seat that are kept, the newest."""
 
 
 class KeptReports:
@@ -63,8 +63,10 @@ class KeptReports:
             names.check_seat(parts.who)
             new, seat = codec.decode(shared.payload, SharedGesture), keys.gesture(parts.who, "")
             others = [key for key in self._gestures if key.startswith(seat) and key != shared.key]
-            if len(others) < GESTURES_MAX:
-                self._gestures[shared.key] = new
+            for oldest in others[: max(0, len(others) - GESTURES_MAX + 1)]:
+                del self._gestures[oldest]
+            self._gestures.pop(shared.key, None)  # so that it is the newest
+            self._gestures[shared.key] = new
 
     def _answer(self, incoming: zbus.Incoming) -> None:
         for key, kept in [*self._kept.items(), *self._gestures.items()]:

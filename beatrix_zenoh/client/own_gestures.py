@@ -10,6 +10,8 @@ FOLDER: Final = ("beatrix-programs", "gestures")
 """Below the home folder."""
 NAME: Final = re.compile(r"[\w-](?:[\w -]{0,22}[\w-])?")
 """What a name may be; the text of a program contains it between quotes."""
+LONGEST: Final = 24
+"""Number of characters of the longest name."""
 DEVICES: Final = re.compile(r"(?i)con|prn|aux|nul|com\d|lpt\d")
 """Names that Windows keeps for devices, whatever their ending."""
 NAMES: Final = "a name has up to 24 letters, digits, - and _. Rename the file."

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
+from collections.abc import Collection
 
 from beatrix_zenoh.client.lesson_reports import kept
-from beatrix_zenoh.client.own_gestures import possible
+from beatrix_zenoh.client.own_gestures import LONGEST, possible
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
@@ -45,9 +47,16 @@ def shared(client: Client) -> dict[str, str]:
     """
     teacher = client.settings.who == TEACHER
     found = kept(client, keys.gesture("*" if teacher else TEACHER, "*"), SharedGesture, ANSWER_S)
-    gestures = {
-        f"{seat}-{gesture.name}"[:24] if teacher else gesture.name: "\n".join((*gesture.lines, ""))
-        for seat, _, gesture in found
-        if not teacher or seat != TEACHER
-    }
+    gestures: dict[str, str] = {}
+    for seat, _, gesture in found:
+        if not teacher or seat != TEACHER:
+            name = unused(f"{seat}-{gesture.name}", gestures) if teacher else gesture.name
+            gestures[name] = "\n".join((*gesture.lines, ""))
     return {name: text for name, text in gestures.items() if possible(name)}
+
+
+def unused(name: str, others: Collection[str]) -> str:
+    """Return a name, shortened to what a gesture may have; with a number at its end if that is one of the others."""
+    ends = itertools.chain([""], (f"-{number}" for number in itertools.count(2)))
+    names = (f"{name[: LONGEST - len(end)].rstrip()}{end}" for end in ends)
+    return next(one for one in names if one not in others)

@@ -14,7 +14,8 @@ from shell import good
 from beatrix_zenoh.classroom.reports import GESTURES_MAX
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.client import lesson_reports as reports
-from beatrix_zenoh.client.shared_gestures import share, shared
+from beatrix_zenoh.client.own_gestures import possible
+from beatrix_zenoh.client.shared_gestures import share, shared, unused
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LessonState, Reason
@@ -97,18 +98,27 @@ def test_the_teacher_collects_gestures_and_hands_them_out(router: ClassRouter, t
     with router.client("ana") as ana, router.client("ben") as ben:
         for name, text in (("wink", "old\n"), ("wink", "new\n"), ("nod", LONG)):
             share(ana, name, text)
+        share(ben, "../x", "")
         for number in range(GESTURES_MAX + 5):
             share(ben, f"g{number}", "")
         assert_fails(lambda: share(ben, "huge", 2 * LONG), WrongUsage, Reason.BAD_VALUE)
-        share(ben, "../x", "")
         found = shared(teacher)
         assert (found["ana-wink"], found["ana-nod"]) == ("new\n", LONG)
+        assert f"ben-g{GESTURES_MAX + 4}" in found, "the newest are kept"
         assert len([name for name in found if name.startswith("ben-g")]) == GESTURES_MAX
         assert len(found) == 2 + GESTURES_MAX
         assert shared(ben) == {}
         share(teacher, "ana-wink", "new\n")
         assert shared(ben) == {"ana-wink": "new\n"}
         assert shared(teacher).keys() == found.keys()
+
+
+def test_names_of_collected_gestures_are_short_and_different() -> None:
+    found: dict[str, str] = {}
+    for name in ("my long gesture number 1", "my long gesture number 2", "abcdefghijklmnopqr st"):
+        found[unused(f"ana-{name}", found)] = ""
+    assert [*found] == ["ana-my long gesture numb", "ana-my long gesture nu-2", "ana-abcdefghijklmnopqr s"]
+    assert all(possible(name) for name in found)
 
 
 def test_a_report_names_no_person_and_is_small() -> None:

@@ -73,6 +73,7 @@ def test_play_finds_a_gesture_by_its_name_after_shipped_ones(folder: Path) -> No
         ("wink", TEXT.replace("_s,yaw", "_s,jaw"), "line 1"),
         ("wink", "#" * (files.LARGEST_BYTES + 1), "longer than"),
         ("wink!", TEXT, "Rename the file"),
+        ("Yes", TEXT, "is a shipped gesture"),
     ],
 )
 def test_a_wrong_file_is_named_with_its_line(folder: Path, name: str, text: str, why: str) -> None:

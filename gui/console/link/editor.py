@@ -49,19 +49,24 @@ class Editor:
             self._read(action.file)
 
     def _read(self, file: Path) -> None:
-        self._stamp, trouble = files.stamp(file), Trouble("result.no_program", slots={"file": str(file)})
+        stamp = files.stamp(file)
         try:
             text = files.text(file, LARGEST_BYTES, "Python")
         except (OSError, WrongUsage):
-            self._now = replace(self._now, trouble=trouble)
+            self._now = replace(
+                self._now, trouble=Trouble("result.no_program", slots={"file": str(file)})
+            )  # the program that is shown stays
         else:
+            self._stamp = stamp
             self._now = replace(self._now, file=file, text=text, trouble=None)
 
     def write(self, action: WriteProgram) -> None:
         """Write the program; the file of a shipped one, or of the presses, becomes one of the user's with a new name."""
         presses, trouble = self._now.presses, None
         file = action.file or self._now.file or presses
-        if action.file != presses:
+        if not file.suffix:  # a folder for a new program
+            file = unused(file / "program.py")
+        if file != presses or action.file is None:
             if file == presses or file.is_relative_to(EXAMPLES.parent):
                 file = unused(presses.with_name("program.py" if file == presses else file.name))
             self._now = replace(self._now, file=file, text=action.text)

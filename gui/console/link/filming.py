@@ -111,7 +111,8 @@ class Filming:
         """Open a picture in the user's browser or viewer, which stays open after the window."""
 
         def show() -> None:
-            webbrowser.open(file.as_uri())
+            if not webbrowser.open(file.as_uri()):
+                self._trouble = Trouble("trouble.no_viewer", slots={"file": str(file)})
 
         self._jobs.put("viewer", show)
 

@@ -7,6 +7,7 @@ import threading
 import time
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
@@ -16,12 +17,14 @@ from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.lesson_files import lessons
 from beatrix_zenoh.lessons import progress
 from beatrix_zenoh.processes import POLL_S, Child, Supervisor
-from gui.console.link.jobs import Jobs
+from gui.console.link.jobs import Jobs, Repeated
 from gui.console.state.actions import RunLesson
 from gui.console.state.world import CheckReport, LessonRun
 
 ANSWER_S: Final = 30.0
 """Time limit of a start or a hint; a busy computer may need several seconds to start Python."""
+READ_S: Final = 3.0
+"""Period of reading which lessons have passed."""
 END_S: Final = 1.5
 """Time (s) in which the child ends."""
 
@@ -33,13 +36,14 @@ class LessonRuns:
         self._jobs = jobs
         self.newest = LessonRun()
         """what is known now"""
+        self._reads = Repeated(jobs, "lessons", READ_S)
         self._lock = threading.Lock()
         self._wanted = 0
         """counts the watches, and their ends"""
 
-    def read(self) -> None:
-        """Read which lessons were started and passed."""
-        self._jobs.put("lessons", self._read)
+    def look(self, now_s: float) -> None:
+        """Read from time to time which lessons were started and passed, perhaps in a terminal."""
+        self._reads.look(now_s, self._read)
 
     def do(self, action: RunLesson) -> None:
         """Run a verb of `beatrix lesson`; a newer watch ends the older one."""
@@ -66,7 +70,7 @@ class LessonRuns:
         except BeatrixError as error:
             self._change(note=str(error))
             return
-        names = [one.name for one in lessons()]
+        names = lesson_names()
         programs = {name: str(paths[0]) for name in names if (paths := found.programs(name))}
         passed = frozenset(name for name in names if found.record(name).passed)
         self._change(passed=passed, programs=programs)
@@ -97,6 +101,12 @@ class LessonRuns:
             self._change(report=CheckReport())
         self._change(watched=0)
         self._read()
+
+
+@cache
+def lesson_names() -> tuple[str, ...]:
+    """Return the names of all lessons; their files are read once."""
+    return tuple(one.name for one in lessons())
 
 
 @contextlib.contextmanager

@@ -91,7 +91,7 @@ class Link:
         self._routers = Routers(jobs, self._connection, self.moving.deselect)
         self._lesson_runs = LessonRuns(jobs)
         if source is Source.WINDOW:  # no page shows them
-            self._lesson_runs.read()
+            self._looks = (*self._looks, lambda _, now_s: self._lesson_runs.look(now_s))
         self._table = self._carrying_out()
 
     def look(self) -> None:

@@ -16,6 +16,7 @@ from gui.console.link.connection import Session
 from gui.console.link.jobs import Jobs, Repeated
 from gui.console.link.outcomes import WindowError, done, failed
 from gui.console.state.actions import NEW, FetchGestures, KeepGesture, Outcome, ShareGesture
+from gui.console.state.own_gestures import TAKEN
 from gui.console.state.world import OwnGesture
 
 PERIOD_S: Final = 1.0
@@ -62,7 +63,7 @@ class OwnGestures:
     def _read(self) -> None:
         found: dict[str, Path] = {}
         for folder in (own_gestures.folder(), *self._own):
-            paths = sorted(folder.glob("*.csv"), key=_name)[: own_gestures.MOST]
+            paths = sorted(folder.glob("[!.]*.csv"), key=_name)[: own_gestures.MOST]
             found |= {_name(path): path for path in paths}  # one of the seat hides a common one
         stamps = {path: files.stamp(path) for path in sorted(found.values(), key=_name)}
         if stamps != self._stamps:
@@ -82,7 +83,12 @@ def read(path: Path) -> OwnGesture:
     try:
         text = files.text(path, own_gestures.LARGEST_BYTES, "CSV", path.name)
         choreography.choreography(motion_file.parse(text, path.name))
-        wrong = None if own_gestures.possible(name) else wrong_usage(f"{path.name}: {own_gestures.NAMES}")
+        if not own_gestures.possible(name):
+            wrong = wrong_usage(f"{path.name}: {own_gestures.NAMES}")
+        elif name.casefold() in TAKEN:
+            wrong = wrong_usage(
+                f"{path.name}: {name} is a shipped gesture, which is played instead. Rename the file."
+            )
     except WrongUsage as error:
         wrong = error
     except OSError as error:
@@ -118,7 +124,10 @@ def exchange(action: ShareGesture | FetchGestures, session: Session) -> None:
         BeatrixError: the class has none, a file cannot be written, or as `share` and `shared`.
     """
     if isinstance(action, ShareGesture):
-        share(session.client, action.name, read(own_gestures.folder() / f"{action.name}.csv").text)
+        given = read(own_gestures.folder() / f"{action.name}.csv")
+        if given.wrong is not None:
+            raise given.wrong
+        share(session.client, action.name, given.text)
         return
     found = shared(session.client)
     if not found:

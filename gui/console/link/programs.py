@@ -99,15 +99,16 @@ class ProgramRun(Program):
             except OSError as error:
                 raise WindowError(Reason.BAD_VALUE, "result.program_failed", text=str(error)) from error
             with child, contextlib.ExitStack() as ends:
-                ends.callback(processes.end, child, END_S)
+                ends.callback(processes.end_with_children, child, END_S)
                 reader = threads.start(lambda: self._read(child), "output-of-program")
                 report(accepted(self.row, self.side, "Started.", 0.0))
                 while child.poll() is None and not self.ends:
                     time.sleep(processes.POLL_S)
                 ends.close()
                 reader.join(END_S)
-        if child.returncode and not self.ends:
-            raise self._failure(child.returncode)
+        failure = self._failure(child.returncode) if child.returncode else None
+        if failure is not None and not self.ends:
+            raise failure
         self.check()
         return "Ended."
 

@@ -80,13 +80,13 @@ class Sounds:
         name, tune = Path(file).name, None
         try:
             sound = decoded(Path(file))
+            steady = beats.find(sound.samples[:, 0], sound.rate)
         except (OSError, ImportError, ValueError) as error:
             kinds = {OSError: "missing", ImportError: "mp3", ValueError: "format"}
             key = next(key for kind, key in kinds.items() if isinstance(error, kind))
             trouble = Trouble(f"trouble.music_{key}", detail=str(error), slots={"file": name})
             found = MusicProgress(file, trouble=trouble)
         else:
-            steady = beats.find(sound.samples[:, 0], sound.rate)
             first_s, beat_s = steady or (0.0, 0.0)
             tune = sound._replace(samples=sound.samples[round(first_s * sound.rate) :])
             found = MusicProgress(file, ready=True, beat_s=beat_s)

@@ -153,12 +153,20 @@ def result(row: RequestRow, texts: Texts) -> tuple[str, bool | None]:
     if row.ended and robots > 1:
         return texts("result.done_robots", count=float(robots)), True
     if row.ended:
-        return (texts("result.done_in", seconds=longest_s) if longest_s else texts("result.done")), True
+        return _done(row, longest_s, texts), True
     if not row.outcomes:
         return texts("result.sent"), None
     if longest_s:
         return texts("result.accepted", seconds=longest_s), None
     return texts("result.accepted_plain"), None
+
+
+def _done(row: RequestRow, seconds: float, texts: Texts) -> str:
+    """Return that a request is done, or that a program has ended, perhaps because the user ended it."""
+    ran = isinstance(row.request, actions.RunProgram)
+    if not seconds:
+        return texts("result.ran" if ran else "result.done")
+    return texts("result.ran_in" if ran else "result.done_in", seconds=seconds)
 
 
 def _bad(row: RequestRow, bad: list[Outcome], texts: Texts) -> str:

@@ -42,15 +42,19 @@ export async function look() {
   if (reply?.status === 403) clearInterval(timer); // there is no class
   if (!reply?.ok || looking) return;
   looking = true;
+  await update(reply).catch(() => null); // the network was lost: the next look gets the rest
+  looking = false;
+  showGallery();
+}
+
+async function update(reply) {
   const found = await reply.json(), shown = found.shown.slice(0, SHOWN).map(([seat, file, name]) => [`/gallery/${seat}/${file}`, name]);
   teacher = found.teacher;
   const known = new Set(shown.map(([path]) => path));
   for (const path of items.keys()) if (!known.has(path)) items.delete(path);
   for (const [path, name] of shown) if (!items.has(path)) items.set(path, await itemOf(path, name));
-  looking = false;
   const list = shown.map(([path]) => items.get(path)), { children } = byId("gallery");
   if (list.length !== children.length || list.some((item, index) => item !== children[index])) byId("gallery").replaceChildren(...list);
-  showGallery();
 }
 
 function showGallery() {

@@ -19,7 +19,7 @@ export function connectGamepad(own) {
   document.addEventListener("visibilitychange", () => { if (document.hidden) rest(); });
 }
 
-const pads = () => navigator.getGamepads().filter((pad) => pad?.connected);
+const pads = () => navigator.getGamepads().filter((pad) => pad?.connected && pad.mapping === "standard"); // else nobody knows which axis is which
 const deflection = (value = 0) => (Math.abs(value) < IDLE ? 0 : Math.sign(value) * (Math.abs(value) - IDLE) / (1 - IDLE));
 
 // Left stick: turn and nod; right stick: tilt. The right of a stick is the right of the picture.

@@ -96,12 +96,14 @@ function close() {
 
 async function showClass() {
   byId("shot-show").disabled = true;
+  const shown = shot;
   const request = { method: "POST", headers: { "X-XSRFToken": page.token }, body: shot.file };
   const reply = shot.file.size <= BYTES_MAX && await fetch("/gallery", request).catch(() => null);
   const key = reply ? await reply.text() : reply === false ? "page.show_large" : "";
+  byId("shot-show").disabled = false;
+  if (shot !== shown) return; // another picture is open now
   byId("shot-note").textContent = page.text(key) || page.text("page.show_failed");
   byId("shot-show").hidden = key === "page.shown";
-  byId("shot-show").disabled = false;
 }
 
 export function connectShow(own) {

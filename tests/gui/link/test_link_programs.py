@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from gui_links import Linked, look, rests, short
 from present import present
-from robots import END_S, Stage
+from robots import END_S, Stage, until
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from gui.console.link.programs import LINES
@@ -103,20 +103,28 @@ def test_a_program_ends_with_a_reason_its_line_and_its_output(linked: Linked, ow
 
 
 IGNORES = """
-import signal
+import signal, subprocess, sys
 signal.signal(signal.SIGTERM, signal.SIG_IGN)
-print("ready")
+print(subprocess.Popen([sys.executable, "-c", "print('ready', flush=True); import time; time.sleep(99)"]).pid)
 while True:
     pass
 """
 
 
-def test_stop_ends_a_program_that_does_not_want_to(linked: Linked, own: Path) -> None:
+def test_stop_ends_a_program_that_does_not_want_to_and_what_it_has_started(linked: Linked, own: Path) -> None:
     own.write_text(IGNORES, encoding="utf-8")
     linked.do(RunProgram(1, own))
     linked.until(lambda world: "ready" in world.program.output, "the program runs", START_S)
     linked.do(SendStop(2))
     assert linked.end_of(1, timeout_s=2.0).reason is Reason.STOPPED
+    started = next(line for line in linked.world.program.output if line.isdigit())
+    until(lambda: not runs(int(started)), "its child is gone")
+
+
+def runs(process: int) -> bool:
+    """Return whether a process does anything; one that has ended may not have been reaped yet."""
+    command = Path(f"/proc/{process}/cmdline")
+    return command.exists() and bool(command.read_bytes())
 
 
 def test_the_program_ends_when_its_parent_is_killed(tmp_path: Path) -> None:
