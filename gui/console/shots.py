@@ -28,8 +28,8 @@ PHOTO, FILM, GIF = (1280, 960), (640, 480), (480, 360)
 """Sizes of one robot (px)."""
 BAND: Final = 1 / 12
 """Height of the caption, as a share of that of a robot."""
-FACE: Final = Viewpoint(azimuth=-20.0, elevation=8.0, zoom=1.12, height=0.056)
-"""Nearly from the front, with the whole head in every pose."""
+FACE: Final = Viewpoint(azimuth=0.0, elevation=8.0, zoom=1.12, height=0.056)
+"""From the front, with the whole head in every pose."""
 COLOURS: Final = 128
 Pose = tuple[float, float, float, float, float, float]
 """Short, middle and long arm, yaw, pitch and roll of the head (deg)."""

@@ -53,7 +53,7 @@ def guide(view: View, done: int, texts: Texts) -> dict[str, object] | None:
         "text": texts("page.missions_done") if over else shown.text,
         "progress": "" if over else shown.progress,
         "count": shown.count,
-        "good": over or shown.good,
+        "good": over or shown.good is True,
         "hint": buttons.get(missions.ShowHint),
         "skip": buttons.get(missions.SkipTask),
         "close": replace(buttons[missions.CloseGuide], text="✕", tooltip=texts("page.missions_close")),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -81,6 +82,18 @@ def test_a_file_that_cannot_be_used_is_named(folder: Path) -> None:
         editor.open(OpenProgram(file))
         assert editor.progress(0.0).trouble == Trouble("result.no_program", slots={"file": str(file)})
         assert editor.progress(0.0).file is None
+    own = folder.parent / "own.py"
+    own.write_text("a = 1", encoding="utf-8")
+    editor.open(OpenProgram(own))
+    editor.open(OpenProgram(folder.parent / "picture.py"))
+    seen = editor.progress(9.0 + 2 * LOOK_S)
+    assert (seen.file, seen.trouble is not None) == (own, True), (
+        "the program of before stays, with the reason"
+    )
+    editor.write(WriteProgram("a = 2", folder))
+    assert editor.progress(20.0).file == folder / "program-1.py"
+    editor = Editor()
+    shutil.rmtree(folder)
     folder.write_text("no folder", encoding="utf-8")
     editor.write(WriteProgram("a = 1"))
     trouble = editor.progress(0.0).trouble
@@ -110,7 +123,7 @@ TAKEN = Detail(holder="ben")
 @pytest.mark.parametrize(
     ("outcome", "said", "failed"),
     [
-        (Outcome(1, "", accepted=True, done=True, duration_s=2.0), "Fertig", False),
+        (Outcome(1, "", accepted=True, done=True, duration_s=2.0), "Nach 2,0 s beendet", False),
         (Outcome(1, "", False, True, Reason.NOT_HOLDER, detail=TAKEN), "Zeile 7: ben ", True),
         (
             Outcome(1, "", False, True, Reason.BAD_VALUE, key="result.no_keyboard"),

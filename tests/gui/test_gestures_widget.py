@@ -12,7 +12,7 @@ from pytestqt.qtbot import QtBot
 from beatrix_zenoh.client.choreography import GESTURES
 from beatrix_zenoh.contract.errors import wrong_usage
 from gui.console.state import gestures
-from gui.console.state.actions import FOLLOW, NEW, OpenProgram, Play
+from gui.console.state.actions import FOLLOW, NEW, Play
 from gui.console.state.gestures import RunExample
 from gui.console.state.intents import Intent, SaveGesture, Theme
 from gui.console.state.memory import Memory
@@ -51,14 +51,14 @@ def seen(panel: GesturesPanel, now: World) -> None:
 
 
 def buttons(panel: GesturesPanel) -> tuple[PictureButton, ...]:
-    return (*panel.buttons.values(), panel.follow, panel.turn, panel.open)
+    return (*panel.buttons.values(), panel.follow, panel.turn)
 
 
 def test_each_button_reports_its_intent(panel: GesturesPanel, reported: list[Intent]) -> None:
     for button in buttons(panel):
         QTest.mouseClick(button, LEFT)
     plays = (Play(NEW, (), gesture=name) for name in GESTURES)
-    assert reported == [*plays, RunExample("follow"), RunExample("turn"), OpenProgram(FOLLOW)]
+    assert reported == [*plays, RunExample("follow"), RunExample("turn")]
 
 
 def test_every_gesture_has_a_picture_of_its_own(panel: GesturesPanel) -> None:

@@ -26,13 +26,24 @@ from gui.console.state.actions import (
 )
 from gui.console.state.intents import AimHead, Choose, Intent, SendHead, Stop
 from gui.console.state.lesson_strip import OpenLesson, ShowSheet
-from gui.console.state.missions import MISSIONS, STEPS, TASKS, CloseGuide, OpenGuide, ShowHint, SkipTask
+from gui.console.state.missions import (
+    MISSIONS,
+    PRAISE_S,
+    STEPS,
+    TASKS,
+    CloseGuide,
+    OpenGuide,
+    ShowHint,
+    SkipTask,
+)
 from gui.console.state.saved import Saved
 from gui.console.state.state import State
 from gui.console.state.views import StripView
 from gui.console.state.world import CheckReport, LessonRun, PlanPhase, PlanProgress, ProgramProgress, World
 
 WELL = world()
+LATER = replace(WELL, now_s=WELL.now_s + 2 * PRAISE_S)
+"""when the praise for what was done is not shown any more"""
 Arms = tuple[float, float, float]
 
 
@@ -41,7 +52,7 @@ def begun(task: str, **saved: Any) -> State:
     return State(Saved(guided=TASKS.index(task), **saved))
 
 
-def text(state: State, now: World = WELL) -> str:
+def text(state: State, now: World = LATER) -> str:
     guide = state.view(now).guide
     return "" if guide is None else guide.text
 
@@ -83,7 +94,8 @@ def test_the_steps_follow_what_really_happened() -> None:
     (stop,) = state.handle(Stop(), WELL)
     ended(state, stop)
     state.follow(WELL)
-    assert text(state).startswith("✓ Well done. Mission 1 of 8")
+    assert text(state, WELL) == "✓ Well done."
+    assert text(state).startswith("Mission 1 of 8")
     assert state.saved.guided == len(STEPS)
 
 
@@ -130,6 +142,14 @@ def test_the_lead_is_beaten_while_the_hardware_waits(intent: Intent, left_s: flo
     state.handle(intent, leading)
     state.follow(WELL)
     assert ("Mission 3" not in text(state)) is done
+
+
+def test_a_closed_strip_opens_at_the_mission_where_it_was() -> None:
+    state = begun("arm")
+    state.handle(CloseGuide(), WELL)
+    assert state.view(WELL).guide is None
+    state.handle(OpenGuide(), WELL)
+    assert text(state).startswith("Mission 5")
 
 
 @pytest.mark.parametrize("hardware", [True, False])
@@ -192,7 +212,7 @@ def test_a_mission_is_noticed_from_the_robot(task: str, worlds: list[World], don
     assert "\n" in text(state)
     for now in worlds:
         state.follow(now)
-    assert text(state).startswith("✓ Well done.") is done
+    assert (text(state, worlds[-1]) == "✓ Well done.") is done
 
 
 @pytest.mark.parametrize(
@@ -247,10 +267,10 @@ def test_a_lesson_is_read_started_checked_and_passed_in_the_strip() -> None:
     not_yet = CheckReport("01-hello", "not_yet", "nods", "none", "Nod.", "lesson-1.svg")
     shown = lesson(state, **begun_, watched=1, report=not_yet, note="No hint.")
     assert shown.text.splitlines() == [
-        "Lesson 1: Hello, head. Not yet. Asked: nods. Found: none. Nod.",
+        "Lesson 1: Hello, head. ✕ Not yet. Asked: nods. Found: none. Nod.",
         "No hint.",
     ]
-    assert [one.text for one in shown.buttons[2:5]] == ["End check", "Hint", "Picture"]
+    assert [one.text for one in shown.buttons[:5]] == ["Picture", "Read", "Code", "End check", "Hint"]
     assert state.handle(ShowSheet("hint"), WELL) == [RunLesson("hint", 1)]
     assert lesson(state, **begun_, hint="Hint 1/3: Do it.").page == "Hint 1/3: Do it."
     refused_ = CheckReport(message="The account is the teacher's.")

@@ -12,6 +12,7 @@ from PyQt5.QtWidgets import QHBoxLayout, QPushButton, QWidget
 from pytestqt.qtbot import QtBot
 
 from gui.console.texts import Texts
+from gui.window.widgets.controls import SliderBox
 from gui.window.widgets.number_box import NumberBox
 
 TYPED = {
@@ -52,3 +53,17 @@ def test_a_number_is_read_with_comma_and_point_in_every_language(qtbot: QtBot, l
         assert not changed or (typed in box.says.text() and "90" in box.says.text())
     for typed in ("1.2,3", "x", "1 2", "--1"):
         assert box.validate(typed + " °", 0)[0] == QValidator.State.Invalid, "it cannot be typed"
+
+
+def test_a_number_that_is_being_typed_stays_while_its_limit_is_no_tenth(qtbot: QtBot) -> None:
+    both = SliderBox(Texts("en"), "speed", least=0.1)
+    qtbot.addWidget(both)
+    limit = 90.00000250447816  # of 1.5708 rad, as a robot sends it
+    both.show_value(30.0, limit)
+    with qtbot.waitActive(both):
+        both.show()
+    both.box.setFocus()
+    both.box.selectAll()
+    QTest.keyClicks(both.box, "5")
+    both.show_value(30.0, limit)
+    assert both.box.text().startswith("5")

@@ -186,7 +186,7 @@ class WriteProgram(Action, frozen=True):
 
     text: str
     file: Path | None = None
-    """None: the file of the present program"""
+    """None: the file of the present program; without an ending: the folder of a new one"""
 
 
 class MovePerson(Action, frozen=True):

@@ -17,7 +17,6 @@ from gui.console.state.actions import (
     TURN,
     Action,
     EndProgram,
-    OpenProgram,
     Play,
     RunProgram,
 )
@@ -52,7 +51,6 @@ def view(memory: Memory, world: World) -> GesturesView:
         else button(texts, f"gesture.{program}", RunExample(program), off)
         for program, file in PROGRAMS.items()
     )
-    shown = TURN if world.program.file == TURN else FOLLOW
     return GesturesView(
         gestures=tuple((name, _gesture(name, off, texts)) for name in GESTURES),
         own=own_gestures.view(world, off, texts),
@@ -60,7 +58,6 @@ def view(memory: Memory, world: World) -> GesturesView:
         follow=follow,
         turn=turn,
         running=world.program.file if world.program.running else None,
-        open=button(texts, "gesture.open", OpenProgram(shown)),
         refusal=refusals.at(memory, (CONTROL,)),
     )
 

@@ -82,7 +82,9 @@ class LessonStrip:
     def sheet(self, memory: Memory, world: World) -> tuple[str, str]:
         """Return the text (Markdown) and the picture (file) of the sheet; both empty: there is none."""
         if self._sheet == "page":
-            return self._shown(memory, world).page.read_text(encoding="utf-8"), ""
+            here = memory.choices.texts("strip.here")
+            title, _, text = self._shown(memory, world).page.read_text(encoding="utf-8").partition("\n")
+            return f"{title}\n\n{here}\n{text}", ""
         hint = world.lesson.hint if self._sheet == "hint" else ""
         return hint, world.lesson.report.picture if self._sheet == "picture" else ""
 
@@ -102,11 +104,11 @@ class LessonStrip:
         check = RunLesson("end" if watches else "watch", lesson.number)
         read = button(texts, "strip.read", OpenLesson(lesson.number))
         buttons = (
+            button(texts, "strip.picture", ShowSheet("picture")) if report.picture else None,
             read if self._sheet != "page" else button(texts, "strip.hide", ShowSheet("")),
             button(texts, "strip.code", OpenProgram(program)) if begun else None,
             button(texts, "strip.end" if watches else "strip.check", check) if begun else None,
             button(texts, "strip.hint", ShowSheet("hint")) if begun else None,
-            button(texts, "strip.picture", ShowSheet("picture")) if report.picture else None,
             button(texts, "strip.next", OpenLesson(after)),
             close,
         )
@@ -114,7 +116,7 @@ class LessonStrip:
             text="\n".join(filter(None, (f"{head} {text}", run.note))),
             progress="".join(MARKS[one.name in run.passed] for one in all_known),
             count=texts("strip.count", done=float(len(run.passed)), count=float(len(all_known))),
-            good=report.outcome == "passed" or (passed and not report.outcome),
+            good=_good(report, passed=passed),
             buttons=tuple(one for one in buttons if one is not None),
         )
 
@@ -123,6 +125,13 @@ class LessonStrip:
         open_ones = (one for one in all_known if one.name not in world.lesson.passed)
         chosen = next((one for one in all_known if one.number == self._number), None)
         return chosen or next(open_ones, all_known[0])
+
+
+def _good(report: CheckReport, *, passed: bool) -> bool | None:
+    """Return whether a lesson has passed; None: nobody has asked."""
+    if report.outcome == "not_yet":
+        return False
+    return True if report.outcome == "passed" or (passed and not report.outcome) else None
 
 
 def _said(report: CheckReport, texts: Texts) -> str:

@@ -22,10 +22,14 @@ from gui.console.texts import Texts
 STEPS: Final = ("ready", "drag", "send", "stop")
 MISSIONS: Final = ("no", "edge", "lead", "hm", "arm", "sleepy", "circle", "dance")
 TASKS: Final = (*STEPS, *MISSIONS)
+NOT_SIMPLE: Final = ("lead", "arm", "sleepy", "dance")
+"""Missions whose controls the simple window hides."""
 AIMED_DEG: Final = 3.0
 """How far a target differs from the head, in one axis, so that it counts as dragged."""
 CLOSED: Final = 50
 """Is added to the number of done tasks while nothing is shown."""
+PRAISE_S: Final = 3.0
+"""How long the praise for a task is shown before the next one."""
 DANCE: Final = 3
 """Poses of a dance."""
 CHEER_S: Final = 0.5, 3.0
@@ -38,8 +42,8 @@ EAR_DEG, BESIDE_DEG = 15.0, 6.0
 """How far an ear sinks, and how far the head turns and nods at most meanwhile."""
 ARM_DEG, REST_DEG = 20.0, 3.0
 """How far one arm turns, and the two others at most."""
-AWAKE_DEG, ASLEEP_DEG, SLOWLY_S = 5.0, 20.0, 4.0
-"""From which pitch to which one a head falls asleep, and in which time (s) at least."""
+AWAKE_DEG, ASLEEP_DEG, SLOWLY_S = 5.0, 20.0, 3.0
+"""From which pitch to which one a head falls asleep, and in which time (s) at least: three quarters of 20 deg in 4 s."""
 ROUND_DEG, ROUND_S = 8.0, 20.0
 """How far from straight ahead a circle is, and its longest time (s)."""
 
@@ -125,7 +129,9 @@ class Guide:
         self.done = done
         self._since = 0
         """row of the newest request when the task began"""
-        self._praise = self._hint = False
+        self._hint = False
+        self._done_s = -PRAISE_S
+        """when the last task was done (monotonic clock, s)"""
         self._cheer_s = -CHEER_S[1]
         """when something was done (monotonic clock, s)"""
         self._seen: defaultdict[str, SeenMoves] = defaultdict(SeenMoves)
@@ -140,8 +146,10 @@ class Guide:
             self._cheer_s = world.now_s
         if self.done >= len(TASKS) or self._reads:
             return
-        if TASKS[self.done] == "lead" and world.account is not None and not online(world, "hw"):
-            self.done += 1  # in a class, the own head of a seat is a simulation alone
+        alone = world.account is not None and not online(world, "hw")  # the own head of a seat of a class
+        sends = memory.choices.simple  # when the drag ends
+        if TASKS[self.done] in (*(("lead",) if alone else ()), *(("send",) if sends else ())):
+            self.done += 1
         # None of them is a solution.
         others_move = world.playing or world.block is not None or world.program.running
         for side in () if others_move else SIDES:
@@ -151,7 +159,7 @@ class Guide:
                 self._seen[side].note(seen, world.now_s)
         task = TASKS[self.done]
         if self._is_done(task, memory, world):
-            self._praise = True
+            self._done_s = world.now_s
             if memory.rows:  # otherwise another seat has done it, for example by making the robot ready
                 self._cheer_s = world.now_s
             self.done += 1
@@ -170,11 +178,13 @@ class Guide:
         if moves or waits or stopped or finding(world, "sim", texts).condition is not Condition.READY:
             return []
         self._cheer_s = -CHEER_S[1]
-        return begin(memory, world, Play(NEW, ("sim",), gesture="yes"), CHEER)
+        return begin(
+            memory, world, Play(NEW, ("sim",), gesture="dance" if self.done == len(TASKS) else "yes"), CHEER
+        )
 
     def handle(self, memory: Memory, world: World, intent: Intent) -> list[Action]:
         """Carry out an intent of HANDLED."""
-        self._praise = False
+        self._done_s = -PRAISE_S
         match intent:
             case OpenLesson() | ShowSheet():
                 self._reads = self._reads or isinstance(intent, OpenLesson)
@@ -187,7 +197,7 @@ class Guide:
             case ResumeGuide():
                 self.done = min(self.done % CLOSED, len(TASKS))
             case OpenGuide():
-                self.done, self._reads = min(self.done, len(TASKS)), False
+                self.done, self._reads = min(self.done % CLOSED, len(TASKS)), False
             case _:
                 self.done = min(self.done + 1, len(TASKS))
         self._begin(memory)
@@ -200,20 +210,27 @@ class Guide:
             return None
         close = button(texts, "guide.close", CloseGuide())
         reads = self.done == len(TASKS) or self._reads
-        strip = self._lessons.view(memory, world, close) if reads else self._task(texts, close)
-        if self._praise:
-            strip = replace(strip, text=texts("guide.well_done", text=strip.text), good=True)
+        strip = (
+            self._lessons.view(memory, world, close)
+            if reads
+            else self._task(texts, close, simple=memory.choices.simple)
+        )
+        if world.now_s - self._done_s < PRAISE_S:
+            strip = replace(strip, text=texts("guide.well_done"), good=True)
         back = (button(texts, "guide.missions", OpenGuide()),) if self.done < len(TASKS) and reads else ()
         page, picture = self._lessons.sheet(memory, world)
         menu = (*back, *self._lessons.menu(memory, world))
         return replace(strip, lessons=menu, page=page, picture=picture)
 
-    def _task(self, texts: Texts, close: ButtonView) -> StripView:
+    def _task(self, texts: Texts, close: ButtonView, *, simple: bool) -> StripView:
         """Return the present step or mission."""
         task = TASKS[self.done]
         key, among = ("guide.a_step", STEPS) if task in STEPS else ("guide.a_mission", MISSIONS)
         at = among.index(task)
-        text = texts(key, text=texts(f"guide.{task}"), number=at + 1.0, count=float(len(among)))
+        words = texts(f"guide.{task}")
+        if simple and task in NOT_SIMPLE:
+            words = f"{words} {texts('guide.all')}"
+        text = texts(key, text=words, number=at + 1.0, count=float(len(among)))
         hint = button(texts, "guide.hint", ShowHint()) if among is MISSIONS else None
         return StripView(
             text=f"{text}\n{texts(f'guide.hint_{task}')}" if self._hint and hint else text,

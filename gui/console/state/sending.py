@@ -29,6 +29,8 @@ WITHIN_DEG = 0.1
 """How far inside the border the simulation stays that follows a target beyond it."""
 EARLY_S = 0.2
 """How long before its end the lead was beaten."""
+SAME_DEG = 0.5
+"""How far a head may be from its target (deg) and be there."""
 STOPPED = 0
 """`Memory.live_row` after a STOP: nothing is sent before the next drag."""
 REFUSED = -1
@@ -64,8 +66,14 @@ def head(memory: Memory, world: World) -> HeadView:
         send=button(
             memory.choices.texts, "head.send", SendHead(), off, yaw=aim.yaw, pitch=aim.pitch, roll=aim.roll
         ),
+        unsent=any(_differs(aim, _head(world, side, kept)) for side in memory.choices.sides),
         refusal=refusals.at(memory, (PAD,)),
     )
+
+
+def _differs(target: HeadOrientation, head: HeadOrientation | None) -> bool:
+    pairs = () if head is None else zip(dataclasses.astuple(target), dataclasses.astuple(head), strict=True)
+    return any(abs(wanted - angle) > SAME_DEG for wanted, angle in pairs)
 
 
 def _head(

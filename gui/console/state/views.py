@@ -97,8 +97,8 @@ class StripView:
     count: str
     """the same in words"""
     buttons: tuple[ButtonView, ...]
-    good: bool = False
-    """whether something was just done, or this lesson has passed"""
+    good: bool | None = None
+    """True: something was just done, or this lesson has passed; False: not yet"""
     lessons: tuple[ButtonView, ...] = ()
     """the menu of all lessons"""
     page: str = ""
@@ -154,6 +154,8 @@ class HeadView:
     """whether the pad shows the head from the front, so that its left is at the right"""
     drag: DragView
     send: ButtonView
+    unsent: bool
+    """whether the target is elsewhere than a robot to send it to"""
     refusal: RefusalView | None = None
 
     def side(self, side: str) -> HeadOrientation | None:
@@ -280,7 +282,6 @@ class GesturesView:
     turn: ButtonView
     running: Path | None
     """the program that runs, perhaps FOLLOW or TURN"""
-    open: ButtonView
     refusal: RefusalView | None = None
 
 

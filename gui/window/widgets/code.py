@@ -19,6 +19,14 @@ from gui.window.widgets.code_editor import PythonEditor
 from gui.window.widgets.controls import ElidedLabel, in_column, in_row, label, named, plain_button, set_role
 from gui.window.widgets.files import FilePanel
 
+NEW_PROGRAM = """from beatrix_zenoh import Robot
+
+with Robot(side="sim") as robot:
+    robot.make_ready()
+    robot.look(yaw=20)
+    robot.home()
+"""
+
 
 class CodePanel(FilePanel):
     """The editor, its file, and the output below it."""
@@ -40,6 +48,7 @@ class CodePanel(FilePanel):
         self.output.setReadOnly(True)
         self.output.setFont(self.program.font())
         menu = QMenu(self.file)
+        menu.addAction(texts("code.new"), self._begin)
         menu.addAction(texts("code.from_presses"), lambda: self.intent.emit(OpenProgram()))
         opens, saves = QFileDialog.AcceptMode.AcceptOpen, QFileDialog.AcceptMode.AcceptSave
         save = lambda file: WriteProgram(self._text, file)  # noqa: E731
@@ -97,6 +106,11 @@ class CodePanel(FilePanel):
         if (view := self._view) is not None:
             folder = folder or view.folder if view.file is None else view.file.parent
             self.choose_file(self._texts(f"code.{name}"), mode, "py", made, folder=folder)
+
+    def _begin(self) -> None:
+        """Begin a program in a file of its own."""
+        if self._view is not None:
+            self.intent.emit(WriteProgram(NEW_PROGRAM, self._view.folder))
 
     def _edit_elsewhere(self) -> None:
         """Open the file in the editor of the system."""

@@ -284,6 +284,7 @@ class SliderBox(QWidget):
 
     def show_value(self, value: float, maximum: float) -> None:
         """Show the number with its maximum."""
+        maximum = round(maximum, 1)  # as the box does
         if (round(value, 1), maximum) == (self.box.value(), self.box.maximum()):
             return  # else it would replace what the user is typing
         with QSignalBlocker(self.slider), QSignalBlocker(self.box):

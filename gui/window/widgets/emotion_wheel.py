@@ -19,6 +19,7 @@ HUES: Final = (48, 95, 140, 180, 212, 250, 288, 0)
 TINT, TINT_CHOSEN = 30, 65
 """How much of its colour (%) a sector has, and the one under the mouse or with the focus."""
 SECTOR: Final = 360 / len(EMOTIONS)
+AIR_PX: Final = 10
 HOLE: Final = 0.5
 """Size of the middle with the name, of that of the wheel."""
 ENTERED: Final = (QEvent.Type.Enter, QEvent.Type.FocusIn)
@@ -41,6 +42,11 @@ class EmotionWheel(QWidget):
             button.setParent(self)
             button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonIconOnly)
             button.installEventFilter(self)
+
+    @property
+    def least_width(self) -> int:
+        """The width (px) at which the title fits into the middle."""
+        return round(self.fontMetrics().horizontalAdvance(self._title) / HOLE) + AIR_PX
 
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""

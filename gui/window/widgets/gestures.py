@@ -30,14 +30,16 @@ from gui.window.widgets.emotion_wheel import EmotionWheel
 from gui.window.widgets.gesture_form import GestureForm
 from gui.window.widgets.picture_button import PictureButton
 
-CELL_PX = 76, 48
-"""Least size of a button with its name, at scale 1."""
-SMALL_PX = 40, 34
-"""Least size of a button without its name: arrow and picture fit."""
+HEIGHT_PX, LOW_PX = 48, 26
+"""Least height of a button with its picture, and with its name alone, at scale 1."""
+OWN_PX = 84
+"""Longest name of a user's gesture that widens the buttons, at scale 1."""
 AIR_PX, ARROW_PX, BAR_PX = 10, 14, 24
 """Width beside the name of a button, of the arrow of its menu, and of the scroll bar."""
-WHEEL, WHEEL_MOST = 2.0, 0.42
-"""Width of the wheel, of the panel's height; and its largest width, of that of the panel."""
+WHEEL, WHEEL_MOST, WHEEL_LEAST = 2.0, 0.42, 0.3
+"""Width of the wheel, of the panel's height; and its largest and least width, of that of the panel."""
+MANY = 12
+"""Number of buttons that keep their pictures, and are scrolled."""
 
 
 class GesturesPanel(Panel):
@@ -56,11 +58,11 @@ class GesturesPanel(Panel):
         self.wheel = EmotionWheel(texts("gesture.emotions"))
         others = {name: PictureButton(name) for name in GESTURES if name not in EMOTIONS}
         self.buttons = others | self.wheel.buttons
-        self.follow, self.turn, self.open = map(PictureButton, ("follow", "listen", "program"))
+        self.follow, self.turn = map(PictureButton, ("follow", "listen"))
         self.fetch = PictureButton("fetch")
         self.own: dict[str, PictureButton] = {}
         """buttons of the user's gestures, by name"""
-        self._cells = [*others.values(), self.follow, self.turn, self.open, self.fetch]
+        self._cells = [*others.values(), self.follow, self.turn, self.fetch]
         self.form = GestureForm(texts)
         self._lay_out()
         self.reports(*(button.intent for button in (*self.wheel.buttons.values(), *self._cells)))
@@ -98,26 +100,37 @@ class GesturesPanel(Panel):
         self._arrange()
 
     def _arrange(self) -> None:
-        """Arrange the buttons in as many columns as fit; their names are below the pictures if all of them fit."""
-        least, height = map(style_of(self._theme).px, CELL_PX)
-        wheel = min(round(WHEEL * self.height()), round(WHEEL_MOST * self.width()))
+        """Arrange the buttons in columns as wide as the longest name: with a narrower wheel, or without pictures, if all fit so."""
+        metrics, px, styles = self.fontMetrics(), style_of(self._theme).px, Qt.ToolButtonStyle
+        cells = [*(self._cells if self._in_class else self._cells[:-1]), *self.own.values()]
+        names = [button.text() for button in self._cells]
+        own = [metrics.horizontalAdvance(name) + ARROW_PX for name in self.own]
+        least = AIR_PX + max(*map(metrics.horizontalAdvance, names), min(px(OWN_PX), max(own, default=0)))
+        wide = min(round(WHEEL * self.height()), round(WHEEL_MOST * self.width()))
+        narrow = min(wide, max(round(WHEEL_LEAST * self.width()), self.wheel.least_width))
+
+        def arranged(wheel: int) -> tuple[int, int]:
+            """Return the room beside the wheel (px), and how many columns fit there."""
+            room = self.width() - wheel - BAR_PX
+            return room, max(1, room // least)
+
+        def fit(wheel: int) -> bool:
+            return -(-len(cells) // arranged(wheel)[1]) * px(HEIGHT_PX) <= self.height()
+
+        wheel = wide if fit(wide) else narrow
+        pictures = fit(wheel) or len(cells) > MANY
+        row = px(HEIGHT_PX if pictures else LOW_PX)
+        style = styles.ToolButtonTextUnderIcon if pictures else styles.ToolButtonTextOnly
+        room, columns = arranged(wheel)
         self.wheel.setFixedWidth(wheel)
-        room = self.width() - wheel - BAR_PX
-        if room < 3 * least:
-            least, height = map(style_of(self._theme).px, SMALL_PX)
-        columns = max(1, room // least)
-        width = room // columns - AIR_PX
-        metrics, styles = self.fontMetrics(), Qt.ToolButtonStyle
-        fit = max(metrics.horizontalAdvance(button.text()) for button in self._cells) < width
-        fixed = self._cells if self._in_class else self._cells[:-1]
-        cells = [*fixed, *self.own.values()]
         for number, button in enumerate(cells):
             self._grid.addWidget(button, *divmod(number, columns))
-            button.setToolButtonStyle(styles.ToolButtonTextUnderIcon if fit else styles.ToolButtonIconOnly)
+            button.setToolButtonStyle(style)
         for line in range(self._grid.rowCount()):
-            self._grid.setRowMinimumHeight(line, height if line * columns < len(cells) else 0)
+            self._grid.setRowMinimumHeight(line, row if line * columns < len(cells) else 0)
         for name, button in self.own.items():
-            button.setText(metrics.elidedText(name, Qt.TextElideMode.ElideRight, width - ARROW_PX))
+            width = room // columns - AIR_PX - ARROW_PX
+            button.setText(metrics.elidedText(name, Qt.TextElideMode.ElideRight, width))
 
     def show_view(self, view: GesturesView) -> None:
         """Show the buttons, and what the program does."""
@@ -125,7 +138,6 @@ class GesturesPanel(Panel):
             self.buttons[name].show_view(button_view)
         if view.own != self._own:
             self._show_own(view.own)
-        self.open.show_view(view.open)
         self._in_class = view.fetch is not None
         self.fetch.setVisible(self._in_class)
         if view.fetch is not None:

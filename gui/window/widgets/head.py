@@ -75,6 +75,8 @@ class TargetWidget(Panel):
     def show_theme(self, theme: Theme) -> None:
         """Use the colours of a theme."""
         self._style = style_of(theme)
+        if self._view is not None:
+            self.show_view(self._view)
         self.update()
 
     def show_view(self, view: HeadView) -> None:

@@ -6,7 +6,7 @@ from importlib import resources
 from typing import Final
 
 from PyQt5.QtCore import QByteArray, QRectF, QSize, Qt, pyqtSignal
-from PyQt5.QtGui import QColor, QFont, QFontMetrics, QIcon, QPixmap
+from PyQt5.QtGui import QColor, QFont, QFontMetrics, QIcon, QPixmap, QResizeEvent
 from PyQt5.QtSvg import QSvgRenderer
 from PyQt5.QtWidgets import QSizePolicy, QToolButton
 
@@ -15,8 +15,10 @@ from gui.console.state.views import ButtonView
 from gui.window.theme import style_of
 from gui.window.widgets.head3d_paint import painted
 
-PICTURE_PX = 26
-"""Side of a picture at scale 1."""
+PICTURE_PX, LARGE_PX = 26, 44
+"""Side of a picture at scale 1, and of that of a tall button."""
+TALL_PX = 72
+"""From which height a button is tall, at scale 1."""
 COLOUR_FONTS: Final = ("Noto Color Emoji", "Segoe UI Emoji", "Apple Color Emoji")
 
 
@@ -30,6 +32,7 @@ class PictureButton(QToolButton):
         super().__init__()
         self._picture, self._sign = picture, sign
         self._intent: Intent | None = None
+        self._tall, self._small, self._large = TALL_PX, PICTURE_PX, LARGE_PX
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
         self.clicked.connect(lambda: self.intent.emit(self._intent))
@@ -45,7 +48,7 @@ class PictureButton(QToolButton):
     def show_theme(self, theme: Theme) -> None:
         """Use the colours and sizes of a theme."""
         style, ratio = style_of(theme), self.devicePixelRatioF()
-        icon, side = QIcon(), style.px(PICTURE_PX)
+        icon, side = QIcon(), style.px(LARGE_PX)
         for mode, line, mark in (
             (QIcon.Mode.Normal, style.text, style.accent),
             (QIcon.Mode.Disabled, style.disabled, style.disabled),
@@ -55,7 +58,17 @@ class PictureButton(QToolButton):
             else:
                 picture = emoji(self._sign, self._picture, side, ratio, line)
             icon.addPixmap(picture, mode)
+        self._tall, (self._small, self._large) = style.px(TALL_PX), map(style.px, (PICTURE_PX, LARGE_PX))
         self.setIcon(icon)
+        self._fit()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        super().resizeEvent(event)
+        self._fit()
+
+    def _fit(self) -> None:
+        named = self.toolButtonStyle() == Qt.ToolButtonStyle.ToolButtonTextUnderIcon
+        side = self._large if named and self.height() >= self._tall else self._small
         self.setIconSize(QSize(side, side))
 
 

@@ -98,7 +98,8 @@ class SendingPanel(Panel):
         self.abort.show_view(view.abort)
         waits = view.abort.enabled
         self.plan.setVisible(waits)
-        set_role(self.send, "main", "false" if waits else "true")  # the next press is Send now, or Send
+        due = whole.head.unsent and not waits  # else the next press is Send now, or elsewhere
+        set_role(self.send, "main", "true" if due else "false")
 
 
 STOP_PX = 56

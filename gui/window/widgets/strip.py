@@ -18,14 +18,16 @@ BUTTONS = 7
 """Largest number of buttons."""
 SHEET = QSize(760, 480)
 """Least size of page and picture (px), if the window is as large."""
+EDGE = 8
+"""Distance of the sheet from the left edge of the window (px)."""
 
 
 class LessonSheet(Sheet):
     """The page of a lesson, or the picture of a check."""
 
-    def __init__(self, texts: Texts, parent: QWidget) -> None:
+    def __init__(self, texts: Texts, parent: QWidget, strip: QWidget) -> None:
         super().__init__(texts("strip.lessons"), parent, SHEET.width())
-        self._text = ""
+        self._text, self._strip = "", strip
         self.page, self.picture = QTextBrowser(), QSvgWidget()
         self.page.setOpenLinks(False)
         self.page.setAccessibleName(texts("strip.lessons"))
@@ -52,6 +54,12 @@ class LessonSheet(Sheet):
             self.picture.load(view.picture)
             self.picture.setFixedSize(self._picture_size())
         self.appear(self.close_button)
+
+    def place(self) -> None:
+        """Move to the left edge below the strip, so that the strip and the code beside the head stay visible."""
+        super().place()
+        top = self.parentWidget().mapFromGlobal(self._strip.mapToGlobal(QPoint(0, self._strip.height()))).y()
+        self.move(EDGE, min(top, self.parentWidget().height() - self.height()))
 
     def _picture_size(self) -> QSize:
         """Return the size of the picture, smaller in a low window."""
@@ -89,14 +97,14 @@ class Strip(Panel):
             self.progress.setText(view.progress)
             named(self.progress, view.count, view.count)
             self.text.setText(view.text)
-            set_role(self.text, "role", "good" if view.good else "")
+            set_role(self.text, "role", {True: "good", False: "warn", None: ""}[view.good])
             for button, shown in zip_longest(self.buttons, view.buttons):
                 button.show_view(shown)
             self._fill(view.lessons)
             self._arrange()
         wanted = view is not None and (view.page or view.picture)
         if self._sheet is None and wanted:
-            self._sheet = LessonSheet(self._texts, self.parentWidget())
+            self._sheet = LessonSheet(self._texts, self.parentWidget(), self)
             self.reports(self._sheet.intent)
         if self._sheet is not None:
             self._sheet.show_view(view)
