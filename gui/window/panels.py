@@ -32,8 +32,9 @@ from gui.window.widgets.sequence import SequencePanel
 from gui.window.widgets.strip import Strip
 
 P = TypeVar("P", bound=Panel)
-LOW_PX = 680
-"""Window height at scale 1 below which the tabs of the right column are tabs of the middle, and less room is reserved."""
+LOW_PX, NARROW_PX = 680, 1060
+"""Height and width of the window, at scale 1, below which the tabs of the right column are tabs of the middle, and less
+room is reserved."""
 LOWER_PX = 138
 """Height at scale 1 of the low area in the middle, with its tabs."""
 SIMPLE_PX = 111
@@ -195,7 +196,7 @@ class Panels(QWidget):
             self.intent.emit(Choose("tab", list(Tab)[number]))
 
     def _arrange(self) -> None:
-        """Arrange the widgets for the height of the window, and the simple window or all.
+        """Arrange the widgets for the size of the window, and the simple window or all.
 
         In a low window, history and code move to the middle column: there is no right one, and the pad is wider.
         The simple window has no tabs; at its right is the code, if the user opens it.
@@ -203,6 +204,7 @@ class Panels(QWidget):
         colours = style_of(self._theme)
         self.area.widget().setMinimumSize(colours.px(LEAST_PX[0]), LEAST_PX[1])
         low, simple = self.height() < colours.px(LOW_PX), self._simple
+        low = low or (self.width() < colours.px(NARROW_PX) and not simple)
         self.low_area.setFixedHeight(colours.px(SIMPLE_PX if simple else LOWER_PX))
         for tabs in (self.tabs, self.low_area):  # the hidden tabs are wider
             tabs.setMinimumWidth(self.head3d.minimumSizeHint().width() if simple else 0)

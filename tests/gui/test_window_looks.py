@@ -28,7 +28,7 @@ from gui.window.widgets.controls import ElidedLabel
 from gui.window.widgets.sending import STOP_PX
 from gui.window.window import Window
 
-SIZES = [(1366, 768), (1024, 600), (1024, 560)]
+SIZES = [(1366, 768), (1024, 768), (1024, 600), (1024, 560)]
 SCALED = [(910, 456)]
 """A usual screen without frame and panel, divided by its scale: 1366x768 by 1.5."""
 READABLE, LEGIBLE = 4.5, 3.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Callable, Sequence
 from typing import Never, TypeVar
 
@@ -28,6 +29,8 @@ from gui.window.widgets.number_box import NumberBox
 
 STEPS = 10
 """Positions of a slider per unit."""
+TOOLTIP_CHARACTERS = 72
+"""Longest line of a tooltip."""
 NAMES_CHARACTERS = 18
 """Number of characters that always fit into a label with a name."""
 SEPARATOR = " · "
@@ -81,10 +84,15 @@ def in_column(
     return filled(spaced(QVBoxLayout(inside), gap, margins), *parts)  # type: ignore[arg-type]
 
 
+def in_lines(tooltip: str) -> str:
+    """Return a tooltip with line breaks: Qt shows a long one in a single line."""
+    return "\n".join(textwrap.fill(line, TOOLTIP_CHARACTERS) for line in tooltip.splitlines())
+
+
 def named(control: W, name: str, tooltip: str) -> W:
     """Return the control, with a name and a tooltip; screen readers say both."""
     control.setAccessibleName(name)
-    control.setToolTip(tooltip)
+    control.setToolTip(in_lines(tooltip))
     return control
 
 

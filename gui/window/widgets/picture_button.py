@@ -13,6 +13,7 @@ from PyQt5.QtWidgets import QSizePolicy, QToolButton
 from gui.console.state.intents import Intent, Theme
 from gui.console.state.views import ButtonView
 from gui.window.theme import style_of
+from gui.window.widgets.controls import in_lines
 from gui.window.widgets.head3d_paint import painted
 
 PICTURE_PX, LARGE_PX = 26, 44
@@ -41,7 +42,7 @@ class PictureButton(QToolButton):
         """Show the view's text, and enable or disable the button."""
         self._intent = view.intent
         self.setText(view.text.replace("&", "&&"))
-        self.setToolTip(f"{view.text}: {view.tooltip}")
+        self.setToolTip(in_lines(f"{view.text}: {view.tooltip}"))
         self.setAccessibleName(view.text)
         self.setEnabled(view.enabled)
 
