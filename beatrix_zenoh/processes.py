@@ -252,8 +252,12 @@ class Supervisor:
         return f"{cause}{others}.{output}\nTo start it again: {typed('beatrix', *child.arguments)}"
 
     def new_lines(self) -> list[str]:
-        """Return the lines that the children have written since the last call, each with the title of its child."""
-        return [f"{child.title}: {line}" for child in self.children for line in child.new_lines()]
+        """Return the lines that the children have written since the last call, each with the title of its child.
+
+        Those that say `ready` are for programs: `wait_ready` reads them.
+        """
+        lines = ((child.title, line) for child in self.children for line in child.new_lines())
+        return [f"{title}: {line}" for title, line in lines if not line.startswith("ready ")]
 
     def output_of(self, child: Child) -> str:
         """Return the last lines of the output of a child, and the path of its log if there are more."""

@@ -183,8 +183,13 @@ function showAround() {
 
 // The teacher's page governs the class.
 function showGovern(govern) {
+  const first = govern && byId("govern").hidden;
   byId("govern").hidden = !govern;
   if (!govern) return;
+  if (first) { // what a teacher needs first
+    byId("class").open = true;
+    byId("class").parentElement.prepend(byId("class"));
+  }
   const [freeze, unfreeze, limit] = govern.all;
   bind(byId("freeze-all"), freeze);
   bind(byId("unfreeze-all"), unfreeze);

@@ -125,7 +125,7 @@ class Head3d(TargetWidget):
         self.room_box, self.room = ChoiceCheck(texts, "room"), Room(texts, self)
         self.reports(self.live.intent, self.send.intent, self.room_box.intent, self.room.intent)
         below = in_row(self.live, self.send, self.code, None, *self.views.values())
-        self.top = in_row((in_column(self._names, self.room_box, gap=2), 1))
+        self.top = in_row((in_row(self._names, self.room_box, None, gap=14), 1))
         in_column(self.top, (self._nothing, 1), below, margins=(9, 6, 9, 9), inside=self)
         self.camera = VIEWS["front"]
         self._drag: Drag | None = None
