@@ -99,7 +99,12 @@ class Child:
     @property
     def ready(self) -> bool:
         """Whether the process has printed `ready`."""
-        return any(line.startswith("ready ") for line in self.lines())
+        return self.robots_ready > 0
+
+    @property
+    def robots_ready(self) -> int:
+        """How many of its robots are ready."""
+        return sum(line.startswith("ready ") for line in self.lines())
 
     @property
     def code(self) -> int | None:
@@ -252,12 +257,8 @@ class Supervisor:
         return f"{cause}{others}.{output}\nTo start it again: {typed('beatrix', *child.arguments)}"
 
     def new_lines(self) -> list[str]:
-        """Return the lines that the children have written since the last call, each with the title of its child.
-
-        Those that say `ready` are for programs: `wait_ready` reads them.
-        """
-        lines = ((child.title, line) for child in self.children for line in child.new_lines())
-        return [f"{title}: {line}" for title, line in lines if not line.startswith("ready ")]
+        """Return the lines that the children have written since the last call, each with the title of its child."""
+        return [f"{child.title}: {line}" for child in self.children for line in child.new_lines()]
 
     def output_of(self, child: Child) -> str:
         """Return the last lines of the output of a child, and the path of its log if there are more."""

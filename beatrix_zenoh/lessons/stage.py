@@ -191,7 +191,7 @@ class Stage:
         """Wait until a child is ready with its robots; raises NotMeasurable after START_S, Refused if it has ended."""
         deadline_s = time.monotonic() + START_S
         still = Still(self._tell, "still_starts", START_S)
-        while sum(line.startswith("ready ") for line in child.lines()) < robots:
+        while child.robots_ready < robots:
             self._supervisor.check()
             if time.monotonic() > deadline_s:
                 raise busy(phrase("not_ready", seconds=START_S))
