@@ -83,7 +83,7 @@ def test_the_mesh_is_sent_once(port: int) -> None:
 
 
 PADS = """
-window.pad = { connected: true, axes: [0, 0, 0], buttons: Array.from({ length: 4 }, () => ({ pressed: false })) };
+window.pad = { connected: true, mapping: "standard", axes: [0, 0, 0], buttons: Array.from({ length: 4 }, () => ({ pressed: false })) };
 navigator.getGamepads = () => [window.pad];
 dispatchEvent(new Event("gamepadconnected"));
 """
