@@ -138,7 +138,7 @@ def library() -> ModuleType:
         import sounddevice  # noqa: PLC0415 - an extra; its import loads PortAudio
     except (ImportError, OSError) as error:
         text = (
-            'Microphones need sounddevice, pip install ".[sound]" in the folder of BEATRIX, and the system library '
+            "Microphones need sounddevice (`beatrix install sound`) and the system library "
             "PortAudio, on Linux `sudo apt install libportaudio2`."
         )
         raise wrong_usage(text) from error

@@ -13,15 +13,15 @@ import shutil
 import subprocess
 import sys
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 VENV = ROOT / ".venv"
 PYTHON = VENV / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
 CONSTRAINTS = ROOT / "constraints.txt"
-EXTRAS = "cli,hw,sim,plot,rerun,gui,classroom,web"
-PURPOSES = ("demo", "test")
+EXTRAS = {"demo": "cli,hw,sim,rerun,web", "test": "cli,hw,sim,plot,rerun,analyse,gui,classroom,web"}
+"""By purpose. The demo takes what its first minute needs; `beatrix install` adds the rest when it is wanted."""
 
 
 def run(command: Sequence[str]) -> bool:
@@ -101,28 +101,29 @@ def requirements(purpose: str) -> list[str]:
     """Return the arguments of pip: the constraints and the project, for tests also the group `dev`."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     group: list[str] = project["dependency-groups"]["dev"] if purpose == "test" else []
-    return ["--constraint", str(CONSTRAINTS), "--editable", f".[{EXTRAS}]", *group]
+    return ["--constraint", str(CONSTRAINTS), "--editable", f".[{EXTRAS[purpose]}]", *group]
 
 
-def install_with_uv(purpose: str, *, fresh: bool) -> bool:
-    """Make and fill .venv with uv; return False if uv is missing or fails."""
-    if not works(["uv", "--version"]):
-        return False
-    made = not fresh or run(["uv", "venv", "--clear", "--python", sys.executable, str(VENV)])
-    return made and run(["uv", "pip", "install", "--python", str(PYTHON), *requirements(purpose)])
-
-
-def install_with_pip(purpose: str, *, fresh: bool) -> None:
-    """Make and fill .venv with pip, or exit with an error."""
+def empty_venv() -> None:
+    """Make .venv, with uv if this computer has it; exit with a message if that fails."""
+    if works(["uv", "--version"]) and run(["uv", "venv", "--clear", "--python", sys.executable, str(VENV)]):
+        return
     if not works([sys.executable, "-c", "import ensurepip"]):
         install_debian_packages("venv")
-    clear = ["--clear"] if fresh else []
-    if not run([sys.executable, "-m", "venv", *clear, str(VENV)]):
+    if not run([sys.executable, "-m", "venv", "--clear", str(VENV)]):
         sys.exit("Python cannot make .venv. See its output above.")
-    if not run([str(PYTHON), "-m", "pip", "install", *requirements(purpose)]):
-        sys.exit(
-            "pip cannot install the packages of BEATRIX. See its output above, and check the internet connection."
-        )
+
+
+def installers() -> Iterator[list[str]]:
+    """Yield the commands that install packages, the fastest first; uv is put into .venv if there is none."""
+    into = ["pip", "install", "--python", str(PYTHON)]
+    pip = [str(PYTHON), "-m", "pip", "install"]
+    if works(["uv", "--version"]):
+        yield ["uv", *into]
+    elif works([str(PYTHON), "-m", "uv", "--version"]) or run([*pip, "--quiet", "uv"]):
+        yield [str(PYTHON), "-m", "uv", *into]
+    if works([*pip, "--help"]):
+        yield pip
 
 
 def make_venv(purpose: str) -> None:
@@ -134,8 +135,10 @@ def make_venv(purpose: str) -> None:
     # An existing .venv of this Python is updated, not replaced: running robots may use it.
     fresh = made.get("python") != python()
     stamp.unlink(missing_ok=True)
-    if not install_with_uv(purpose, fresh=fresh):
-        install_with_pip(purpose, fresh=fresh)
+    if fresh:
+        empty_venv()
+    if not any(run([*command, *requirements(purpose)]) for command in installers()):
+        sys.exit("The packages of BEATRIX cannot be installed. See the output above; is there a network?")
     stamp.write_text(
         json.dumps({"digest": digest(), "purpose": purpose, "python": python()}), encoding="utf-8"
     )
@@ -143,8 +146,8 @@ def make_venv(purpose: str) -> None:
 
 def main() -> int:
     """Set up this checkout for one purpose."""
-    if len(sys.argv) != 2 or sys.argv[1] not in PURPOSES:
-        sys.exit(f"usage: python tools/setup.py {'|'.join(PURPOSES)}")
+    if len(sys.argv) != 2 or sys.argv[1] not in EXTRAS:
+        sys.exit(f"usage: python tools/setup.py {'|'.join(EXTRAS)}")
     purpose = sys.argv[1]
     if purpose == "test":
         install_debian_packages(purpose)

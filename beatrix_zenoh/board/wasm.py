@@ -27,7 +27,7 @@ def compiled() -> tuple[Engine, Module]:
             Reason.BOARD_LOST,
             hiding.cause(error)
             or "A virtual board needs wasmtime, which is not installed. "
-            'Run `pip install ".[sim]"` in the folder of BEATRIX, then try again.',
+            "Run `beatrix install sim`, then try again.",
         ) from error
     engine = wasmtime.Engine()
     code = (resources.files("beatrix_zenoh.board") / "firmware.wasm").read_bytes()

@@ -33,6 +33,7 @@ MODULES = {
     "recording.verbs.replay": ("replay",),
     "recording.verbs.compare": ("compare",),
     "doctor.verbs": ("doctor",),
+    "cli.install": ("install",),
     "classroom.verbs": ("classroom", "join"),
     "lessons.verbs": ("lesson",),
 }

@@ -29,7 +29,7 @@ def time_figure(
     try:
         from matplotlib.figure import Figure  # noqa: PLC0415  # only where a figure is made
     except ModuleNotFoundError as error:
-        text = "plot() needs the package matplotlib, which the extra `plot` contains: pip install matplotlib"
+        text = "plot() needs the package matplotlib, which `beatrix install plot` installs."
         raise wrong_usage(text) from error
     figure = Figure(figsize=(WIDTH_IN, 5.5), layout="constrained")
     panels = figure.subplots(2, 1, sharex=True)

@@ -326,7 +326,7 @@ class CameraImage(FrameHeader, frozen=True, kw_only=True):
         try:
             import simplejpeg  # noqa: PLC0415 - in the extras `sim` and `hw`
         except ModuleNotFoundError as error:
-            text = "array() needs the package simplejpeg, which the extras `sim` and `hw` contain: pip install simplejpeg"
+            text = "array() needs the package simplejpeg, which `beatrix install sim` installs."
             raise wrong_usage(text) from error
         try:
             pixels: Pixels = simplejpeg.decode_jpeg(self.jpeg)

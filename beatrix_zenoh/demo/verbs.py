@@ -124,7 +124,7 @@ def perform(supervisor: Supervisor, settings: Settings) -> Path | None:
     with Twin(ROBOT, connect=settings.connect, who=settings.who) as twin:
         twin.make_ready()
         if util.find_spec("rerun") is None:
-            note('The demo continues without a recording. To record: pip install ".[rerun]"')
+            note('The demo continues without a recording. To record: beatrix install rerun')
         else:
             where = ("--name", ROBOT, "--connect", settings.connect)
             recorder = supervisor.start("recorder", "record", str(path), *where)

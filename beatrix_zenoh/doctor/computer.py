@@ -67,7 +67,7 @@ def packages() -> Iterator[CheckResult]:
         ]
         title = f"extra {extra}" if extra else "core"
         present = ", ".join(f"{name} {number}" for name, number in found.items() if number)
-        install = f'pip install "{f".[{extra}]" if extra else "."}" in the folder of BEATRIX'
+        install = f"beatrix install {extra}" if extra else f"pip install {DISTRIBUTION}"
         yield CheckResult(
             title,
             f"without {', '.join(missing)}" if missing else present,
@@ -120,7 +120,7 @@ def graphics() -> CheckResult:
         return CheckResult(
             "graphics",
             "not checked: the package sim_node does not start",
-            advice=done.stderr.strip().rpartition("\n")[2] or 'pip install ".[sim]" in the folder of BEATRIX',
+            advice=done.stderr.strip().rpartition("\n")[2] or "beatrix install sim",
         )
     if name := done.stdout.strip():
         return CheckResult("graphics", f"OpenGL works ({name})")

@@ -48,7 +48,7 @@ def start(speed: float | None) -> VirtualRobot:
     except ImportError as error:
         raise bad_value(
             f"The bench cannot be loaded: {error}. If the simulation is not installed, run "
-            '`pip install ".[sim]"` in the folder of BEATRIX; then check again.',
+            "`beatrix install sim`; then check again.",
         ) from None
     return robot
 

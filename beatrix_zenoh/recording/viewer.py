@@ -40,7 +40,7 @@ MAGIC: Final = b"RRF"
 FOOTER: Final = b"RRF2FOOT"
 """Marker in the last FOOTER_BYTES of a complete recording."""
 FOOTER_BYTES: Final = 64
-INSTALL: Final = 'pip install ".[rerun]" in the folder of BEATRIX'
+INSTALL: Final = "beatrix install rerun"
 
 
 def program() -> Path:

@@ -104,4 +104,4 @@ def missing(process: str, error: ModuleNotFoundError) -> Refused:
 
 def install(process: str) -> str:
     """Return a sentence with the command that installs the packages of `beatrix PROCESS`."""
-    return f'Run `pip install ".[{EXTRAS.get(process, process)}]"` in the folder of BEATRIX.'
+    return f"Run `beatrix install {EXTRAS.get(process, process)}`."

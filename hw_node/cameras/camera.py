@@ -65,9 +65,7 @@ class CameraChoice:
         if not source.startswith("/") and not (source.isascii() and source.isdigit()):
             return f"{quoted(source)} is neither a path that begins with / nor a number. Choose {examples()}"
         if importlib.util.find_spec("cv2") is None:
-            return (
-                'USB cameras need opencv-python-headless: pip install ".[cameras]" in the folder of BEATRIX'
-            )
+            return "USB cameras need opencv-python-headless: beatrix install cameras"
         return ""
 
 

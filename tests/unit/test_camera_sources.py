@@ -125,7 +125,7 @@ def test_one_camera_is_refused_for_both_eyes(tmp_path: Path, monkeypatch: pytest
 
 def test_usb_cameras_are_refused_without_their_library(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda _: None)
-    with pytest.raises(WrongUsage, match=r'opencv-python-headless: pip install "\.\[cameras\]"'):
+    with pytest.raises(WrongUsage, match="opencv-python-headless: beatrix install cameras"):
         camera.choices(["left=/dev/video0"])
 
 

@@ -128,6 +128,6 @@ def test_a_missing_dependency_is_reported_in_one_line(
 
     monkeypatch.setattr("beatrix_zenoh.cli.verbs.application", broken)
     assert app.run(["doctor"]) == 1
-    install = 'Run `pip install ".[cli]"` in the folder of BEATRIX.'
+    install = 'Run `pip install "beatrix-zenoh[cli]"`.'
     said = f"The command line needs msgpack, which is not installed. {install}\n"
     assert capsys.readouterr().err == said

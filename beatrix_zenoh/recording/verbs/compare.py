@@ -144,7 +144,7 @@ def draw(path: Path, found: Comparison, title: str) -> None:
         from beatrix_zenoh.recording.plot import twin_figure
     except ModuleNotFoundError as error:
         raise bad_value(
-            f'--png needs {error.name}. Run `pip install ".[plot]"` in the folder of BEATRIX.',
+            f"--png needs {error.name}. Run `beatrix install plot`.",
         ) from error
     if path.suffix.lower() != ".png":
         raise bad_value(f"--png {path}: the name must end in .png.")

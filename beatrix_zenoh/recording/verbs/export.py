@@ -183,7 +183,7 @@ def check_options(video: Path | None, sound: Path | None, eye: EyeName | None, o
         import beatrix_zenoh.recording.film  # noqa: F401
     except ModuleNotFoundError as error:
         raise bad_value(
-            f'--video needs {error.name}. Run `pip install ".[video]"` in the folder of BEATRIX.',
+            f"--video needs {error.name}. Run `beatrix install video`.",
         ) from error
 
 

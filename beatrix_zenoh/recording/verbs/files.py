@@ -26,7 +26,7 @@ def read_recording(*paths: Path) -> Recorded:
         from beatrix_zenoh.recording.rrd.read import read
     except ModuleNotFoundError as error:
         raise bad_value(
-            f'Reading a recording needs {error.name}. Run `pip install ".[rerun]"` in the folder of BEATRIX.',
+            f"Reading a recording needs {error.name}. Run `beatrix install rerun`.",
         ) from error
     found = read(*paths)
     for path in paths:
