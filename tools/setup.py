@@ -106,7 +106,7 @@ def requirements(purpose: str) -> list[str]:
 
 def empty_venv() -> None:
     """Make .venv, with uv if this computer has it; exit with a message if that fails."""
-    if works(["uv", "--version"]) and run(["uv", "venv", "--clear", "--python", sys.executable, str(VENV)]):
+    if works(["uv", "--version"]) and run(["uv", "venv", "--seed", "--clear", "--python", sys.executable, str(VENV)]):
         return
     if not works([sys.executable, "-c", "import ensurepip"]):
         install_debian_packages("venv")

@@ -8,6 +8,7 @@ import socket
 import subprocess
 import sys
 import time
+import webbrowser
 from importlib import util
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
     from beatrix_zenoh.client.choreography import Step
 
 ROBOT = "demo"
-RECORDING, PLOT = "demo.rrd", "demo.png"
+RECORDING, PLOT, PICTURE = "demo.rrd", "compare.png", "demo.png"
 REST_DEG = "0.5"
 """Largest difference at rest (deg) that counts as the same movement; a full motor step is 0.7 deg of an arm."""
 SETTLE_S = 0.5
@@ -49,17 +50,20 @@ def demo(
     """Show simulation and robot moving together.
 
     Starts a simulation and a second robot, which runs the same firmware on a virtual board. Both nod, shake and look
-    around. The demo records both, compares them as `beatrix compare` does, and opens the recording if there is a
-    display (not with --gui, which opens the window). It needs no robot, no display and no network. The exit code is 1
-    if the movements differ or a file could not be written.
+    around. With a display a browser shows them, and you drive them until Ctrl-C; without one, or with --json, there is
+    a picture. The demo records both, and compares them as `beatrix compare` does. It needs no robot, no display and no
+    network. The exit code is 1 if the movements differ or a file could not be written.
     """
     make_folder(out)
     with signals_interrupt() as shutdown, Supervisor() as supervisor:
         settings = start(supervisor)
         where = ("--name", ROBOT, "--connect", settings.connect)
         window = supervisor.start("window", "gui", *where, role=Role.WINDOW) if gui else None
+        page = None if gui or as_json or not has_display() else start_page(supervisor, *where)
         supervisor.wait_ready()
-        recording = perform(supervisor, settings)
+        if page is not None:
+            keep = show_page(page) or keep
+        recording = perform(supervisor, settings, out / PICTURE)
         if recording is None:
             good = True
             if as_json:
@@ -68,8 +72,8 @@ def demo(
             with new_file(out / RECORDING) as unfinished:
                 shutil.copyfile(recording, unfinished)
             good = compared(out, as_json=as_json)
-            if not gui:
-                show_recording(out / RECORDING)
+            note(f"\nThe recording: {typed('beatrix', 'view', str(out / RECORDING))}")
+        note(f"A picture of both robots: {out / PICTURE}")
         if keep or window is not None:
             supervisor.new_lines()  # discards the output so far, because the comparison contains its results
             with end_on_interrupt():
@@ -100,8 +104,7 @@ def make_folder(out: Path) -> None:
 
 def start(supervisor: Supervisor) -> Settings:
     """Start router, simulation and virtual robot on a free port, wait for the router only, and return the settings."""
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        settings = Settings(ROBOT, f"tcp/127.0.0.1:{free.getsockname()[1]}", "visitor")
+    settings = Settings(ROBOT, f"tcp/127.0.0.1:{free_port()}", "visitor")
     note("Starting a router, a simulation, and a second robot: the same firmware on a virtual board.")
     supervisor.start("router", "router", "--listen", settings.connect)
     supervisor.wait_ready()
@@ -111,34 +114,69 @@ def start(supervisor: Supervisor) -> Settings:
     return settings
 
 
-def perform(supervisor: Supervisor, settings: Settings) -> Path | None:
+def has_display() -> bool:
+    """Return whether a browser could show something."""
+    return (
+        sys.platform in ("win32", "darwin")
+        or bool(os.environ.get("DISPLAY"))
+        or bool(os.environ.get("WAYLAND_DISPLAY"))
+    )
+
+
+def start_page(supervisor: Supervisor, *where: str) -> str | None:
+    """Start the page of both robots on a free port, and return its address; None if its packages are missing."""
+    if util.find_spec("tornado") is None:
+        return None
+    port = free_port()
+    supervisor.start("page", "web", *where, "--port", str(port))
+    return f"http://127.0.0.1:{port}/"
+
+
+def show_page(address: str) -> bool:
+    """Open the page in the browser of the user; return whether there is one."""
+    shown = webbrowser.open(address)
+    note(f"Both robots are at {address}{'' if shown else ', but no browser could be opened'}.")
+    return shown
+
+
+def free_port() -> int:
+    """Return a free port of this computer."""
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port: int = free.getsockname()[1]
+        return port
+
+
+def perform(supervisor: Supervisor, settings: Settings, picture: Path) -> Path | None:
     """Record both robots while they play a choreography, and return the recording; None if Rerun is not installed.
 
     Raises:
-        Refused, Interrupted, NoAnswer: from the first step that failed.
+        Refused, Interrupted, NoAnswer: from the first step that failed, or the picture cannot be written.
     """
     from beatrix_zenoh.client.choreography import play, shipped  # here: `beatrix --help` imports this module
     from beatrix_zenoh.client.twin import Twin
+    from beatrix_zenoh.demo.picture import write_picture
 
     path, recorder = supervisor.folder / RECORDING, None
     with Twin(ROBOT, connect=settings.connect, who=settings.who) as twin:
         twin.make_ready()
         if util.find_spec("rerun") is None:
-            note('The demo continues without a recording. To record: beatrix install rerun')
+            note("The demo continues without a recording. To record: beatrix install rerun")
         else:
             where = ("--name", ROBOT, "--connect", settings.connect)
             recorder = supervisor.start("recorder", "record", str(path), *where)
             supervisor.wait_ready()
-        titles: list[str] = []
+        with twin.sim.log() as sim, twin.hw.log() as hw:
+            begun, parts = time.monotonic(), dict[str, float]()
 
-        def show(title: str, _pose: Step) -> None:
-            if title not in titles:
-                note(f"Both: {title}.")
-            titles.append(title)
+            def show(title: str, _pose: Step) -> None:
+                if title not in parts:
+                    note(f"Both: {title}.")
+                    parts[title] = time.monotonic() - begun
 
-        time.sleep(SETTLE_S)
-        play(twin, shipped("demo"), show)
-        time.sleep(SETTLE_S)
+            time.sleep(SETTLE_S)
+            play(twin, shipped("demo"), show)
+            time.sleep(SETTLE_S)
+    write_picture(picture, {"Simulation": sim, "Hardware": hw}, parts)
     if recorder is None:
         return None
     supervisor.finish(recorder)
@@ -160,19 +198,3 @@ def compared(out: Path, *, as_json: bool) -> bool:
         )
         say(f"\nBoth {'made' if same else 'did NOT make'} the same movement: at rest {limit}.")
     return same
-
-
-def show_recording(path: Path) -> None:
-    """Open the recording in a viewer that keeps running after the demo, if there is a display."""
-    if not (
-        sys.platform in ("win32", "darwin") or os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
-    ):
-        return
-    note(f"Opening {path} in the Rerun viewer.")
-    subprocess.Popen(
-        [*CLI, "view", str(path)],
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-        start_new_session=True,
-    )

@@ -45,8 +45,10 @@ def test_demo_moves_both_robots_alike_and_writes_its_files(tmp_path: Path) -> No
     assert rms_deg <= RMS_DEG
     assert max(axis["at_rest"] for axis in report["axes_deg"][:3]) < 0.5
     assert "look around" in done.stderr
-    with Image.open(tmp_path / "demo.png") as picture:
+    with Image.open(tmp_path / "compare.png") as picture:
         assert picture.width == 1500
+    with Image.open(tmp_path / "demo.png") as picture:
+        assert picture.size == (1200, 640), "four parts of the movement, two robots"
     assert not verify(tmp_path / "demo.rrd")
     assert set(read(tmp_path / "demo.rrd").robots) == {("demo", "sim"), ("demo", "hw")}
 

@@ -60,5 +60,5 @@ def test_the_error_for_a_missing_library_names_it_and_the_extra(monkeypatch: pyt
             raise ModuleNotFoundError("No module named 'mujoco'", name="mujoco")
 
     monkeypatch.setattr("importlib.metadata.entry_points", lambda **_: [Entry()])
-    with pytest.raises(Refused, match="needs mujoco.*beatrix install sim"):
+    with pytest.raises(Refused, match=r"needs mujoco.*beatrix install sim"):
         serving.run("sim", [])
