@@ -35,7 +35,7 @@ def install(
         command += ["--constraint", str(constraints)]
     note(shlex.join(command))
     if code := subprocess.run(command, stdin=subprocess.DEVNULL, check=False).returncode:
-        note(f"The packages of {', '.join(extras)} are not installed: see above. Is there a network?")
+        note(f"What is needed for {', '.join(extras)} is not installed: see above. Is there a network?")
         raise typer.Exit(code)
 
 

@@ -42,7 +42,7 @@ def demo(
         bool,
         typer.Option("--gui", help="Show both robots in the window, and run until the window is closed."),
     ] = False,
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for recording and plot.")] = Path(
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for recording and pictures.")] = Path(
         "demo-out"
     ),
     as_json: Json = False,
