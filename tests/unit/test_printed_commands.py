@@ -58,7 +58,10 @@ def test_the_advice_for_another_router_needs_no_variable_of_a_shell() -> None:
     assert '  beatrix top --connect "tcp/[::1]:7940"\n' in text
 
 
-SAFE = {"number", "found.number", "robot.name", "account.name", "name", "VIRTUAL", "self._port"}
+SAFE = {
+    *("number", "found.number", "robot.name", "account.name", "name", "VIRTUAL", "self._port"),
+    *("extra", "EXTRAS.get(process, process)", "DISTRIBUTION"),
+}
 """Values that contain only letters of names and digits, or are quoted already."""
 COMMAND = re.compile(r"beatrix [a-z]+(?:{[^{}\n]*|[^.;`{\n])*")
 
