@@ -56,7 +56,9 @@ bundle: ## write one archive for a room without network (BUNDLE="--platform wind
 
 model: ## write the robot as MJCF and URDF for other programs, into build/robot
 	@$(SETUP) test
-	$(BIN)/python tools/robot_files.py
+	rm -rf build/robot && mkdir -p build/robot
+	$(BIN)/beatrix model build/robot/beatrix.xml
+	$(BIN)/beatrix model build/robot/beatrix.urdf
 
 firmware: ## build the firmware for the virtual board and the Mega
 	@$(SETUP) test

@@ -22,7 +22,8 @@ from typing import Final
 
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
-from robot_files import write as write_robot
+
+from sim_node.robot_files import write as write_robot
 
 ROOT: Final = Path(__file__).resolve().parents[1]
 PROJECT: Final = "beatrix-zenoh"
@@ -162,7 +163,9 @@ def bundle(target: str, python: str, extras: Sequence[str], out: Path) -> Path:
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     download(target, python, extras, folder / "wheels")
-    write_robot(folder / "robot")
+    (folder / "robot").mkdir()
+    for form in (".xml", ".urdf"):
+        write_robot(folder / f"robot/beatrix{form}")
     words = {"python_text": python, "version": version, "platform": target}
     number = tuple(map(int, python.split(".")))
     what = f"{PROJECT}[{','.join(extras)}]"

@@ -1,4 +1,4 @@
-"""Verbs that run programs: router, sim, hw, gui, web, flash; `up` runs several in one terminal."""
+"""Verbs that run programs: router, sim, hw, gui, web, flash, model; `up` runs several in one terminal."""
 
 from __future__ import annotations
 
@@ -106,6 +106,11 @@ def web(context: typer.Context) -> None:
 def flash(context: typer.Context) -> None:
     """Write the firmware to an Arduino Mega. `beatrix flash --help` lists its options."""
     raise typer.Exit(run("flash", context.args))
+
+
+def model(context: typer.Context) -> None:
+    """Write the robot as MJCF or URDF for other programs. `beatrix model --help` lists its options."""
+    raise typer.Exit(run("model", context.args))
 
 
 def run(process: str, arguments: list[str]) -> int:

@@ -16,7 +16,7 @@ from beatrix_zenoh.output import say
 
 MODULES = {
     "demo.verbs": ("demo",),
-    "cli.serving": ("up", "router", "sim", "hw", "gui", "web", "flash"),
+    "cli.serving": ("up", "router", "sim", "hw", "gui", "web", "flash", "model"),
     "cli.listing": ("ls", "status", "info", "top"),
     "cli.streams": ("echo", "hz"),
     "cli.graph": ("graph",),
@@ -41,7 +41,7 @@ MODULES = {
 VERBS = {verb: module for module, verbs in MODULES.items() for verb in verbs}
 PASS_THROUGH = {"allow_extra_args": True, "ignore_unknown_options": True, "help_option_names": []}
 """Settings of verbs that pass their options to another program."""
-PROCESSES = ("sim", "hw", "gui", "web", "flash")
+PROCESSES = ("sim", "hw", "gui", "web", "flash", "model")
 SETTINGS: dict[str, dict[str, object]] = {
     **dict.fromkeys(PROCESSES, PASS_THROUGH),
     "move": {"ignore_unknown_options": True},  # so that -10 is an angle and not an option

@@ -92,7 +92,7 @@ def unwritten(error: OSError) -> int:
     return FAILED
 
 
-EXTRAS = {"flash": "hw"}
+EXTRAS = {"flash": "hw", "model": "sim"}
 """The extra of each program whose extra has another name than the program."""
 
 

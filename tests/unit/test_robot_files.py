@@ -8,14 +8,15 @@ from xml.etree import ElementTree as ET
 import mujoco
 import numpy as np
 import pytest
-import robot_files
 from rerun.urdf import UrdfTree
 
 from beatrix_zenoh.body.figure import Figure, meshes
 from beatrix_zenoh.body.surface import triangles
+from beatrix_zenoh.cli import app
 from beatrix_zenoh.contract._generated.robot import GeometryData, RobotData
 from beatrix_zenoh.contract.names import ARMS
-from sim_node.model import build_spec
+from sim_node import robot_files
+from sim_node.model import mechanics
 
 ROBOT = RobotData(geometry=GeometryData(hand=-1, rod_twist=80.0))
 
@@ -23,19 +24,24 @@ ROBOT = RobotData(geometry=GeometryData(hand=-1, rod_twist=80.0))
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("robot")
-    robot_files.write(folder, ROBOT)
+    for ending in (".xml", ".urdf"):
+        robot_files.write(folder / f"beatrix{ending}", ROBOT)
     return folder
 
 
-def test_mujoco_loads_the_model_of_the_simulation(folder: Path) -> None:
-    model = mujoco.MjModel.from_xml_path(str(folder / "beatrix.xml"))
-    known = build_spec(ROBOT).compile()
-    assert (model.nq, model.nu, model.neq, model.ngeom) == (known.nq, known.nu, known.neq, known.ngeom)
-    np.testing.assert_allclose(model.body_mass, known.body_mass, rtol=1e-5)
-    data = mujoco.MjData(model)
-    data.ctrl[:] = 0.2
-    mujoco.mj_step(model, data, 500)
-    assert data.joint("arm_short").qpos[0] == pytest.approx(0.2, abs=0.01)
+def test_mujoco_loads_the_mjcf_and_it_moves_as_the_simulation(folder: Path) -> None:
+    """The twin computes with `mechanics`, which has none of the visible shapes."""
+    loaded = mujoco.MjModel.from_xml_path(str(folder / "beatrix.xml"))
+    curves = []
+    for model in (loaded, mechanics(ROBOT).compile()):
+        data = mujoco.MjData(model)
+        curves.append([])
+        for step in range(500):
+            data.ctrl[:] = np.radians(10.0) * np.sin(step / 100 + np.arange(3))
+            mujoco.mj_step(model, data)
+            curves[-1].append(data.qpos.copy())
+    assert np.ptp(curves[0], axis=0).max() > 0.3
+    np.testing.assert_allclose(*curves, atol=1e-4)
 
 
 def test_rerun_loads_the_urdf_with_its_meshes(folder: Path) -> None:
@@ -56,3 +62,38 @@ def test_each_surface_is_in_a_mesh_of_its_colour(folder: Path) -> None:
         assert len(found) == len(triangles(mesh.faces))
         near = np.sort(mesh.points[triangles(mesh.faces)].reshape(-1, 3), axis=0)
         np.testing.assert_allclose(np.sort(found["corners"].reshape(-1, 3), axis=0), near, atol=1e-7)
+
+
+def test_the_urdf_names_where_its_loops_close(folder: Path) -> None:
+    parser = ET.XMLParser(target=ET.TreeBuilder(insert_comments=True))
+    texts = [str(node.text) for node in ET.parse(folder / "beatrix.urdf", parser).iter(ET.Comment)]
+    data = mujoco.MjData(model := mechanics(ROBOT).compile())
+    mujoco.mj_forward(model, data)
+    assert len(texts) == len(ARMS)
+    for name, text in zip(ARMS, texts, strict=True):
+        assert f"rod_{name}" in text
+        point = [float(word) for word in text.partition("point ")[2].split()[:3]]
+        np.testing.assert_allclose(point, data.site(f"rod_{name}").xpos, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "says"),
+    [
+        ("head.xml", 0, "head.xml: MJCF, all in one file."),
+        ("head.urdf", 0, "head.urdf: URDF, with head-meshes."),
+        ("head.sdf", 2, "must end in .xml (MJCF, for MuJoCo) or .urdf"),
+        ("kept.xml", 1, "kept.xml exists and is not overwritten"),
+        ("missing/head.urdf", 1, "missing/head.urdf cannot be written: No such file"),
+        ("head.xml --robot-file none.toml", 2, "--robot-file none.toml cannot be read"),
+    ],
+)
+def test_the_verb_writes_one_file_or_names_the_cure(
+    words: str, code: int, says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    Path("kept.xml").write_text("mine")
+    assert app.run(["model", *words.split()]) == code
+    assert says in " ".join("".join(capsys.readouterr()).split())
+    assert Path(words).exists() == (code == 0 or words == "kept.xml")
+    assert Path("kept.xml").read_text() == "mine"

@@ -1,50 +1,82 @@
-"""Write the robot as files for other programs: MJCF for MuJoCo, and URDF with meshes for ROS, Rerun and others.
+"""`beatrix model`: write the robot as a file for other programs, MJCF for MuJoCo or URDF for ROS, Rerun and others.
 
-.venv/bin/python tools/robot_files.py [--robot-file lab.toml] [--out FOLDER]
-
-- `beatrix.xml` (MJCF): the model of the simulation, whole: loops, motors, masses, shapes, cameras.
-- `beatrix.urdf`: the same bodies as a tree, because URDF has no closed loops. The head turns by the joints yaw, pitch
-  and roll; the angles of arms and rods that belong to them are those of `beatrix_zenoh.motion.kinematics` and of
-  `Chain.rod_angle`.
-- `meshes/BODY_COLOUR.stl`: the surfaces of one colour of a body, in m, in the frame of the body, whose origin is the
-  neck centre. Binary STL, little-endian: 80 bytes of text, the number of triangles (uint32), then for each triangle 12
-  float32, the normal and three corners (counter-clockwise seen from outside), and two bytes 0.
+- MJCF (`.xml`): the model of the simulation, whole: loops, motors, masses, shapes, cameras.
+- URDF (`.urdf`): the same bodies as a tree, because URDF has no closed loops; a comment in the file names the points
+  where they close. The head turns by the joints yaw, pitch and roll; the angles of arms and rods that belong to them are
+  those of `beatrix_zenoh.motion.kinematics` and of `Chain.rod_angle`.
+- `NAME-meshes/BODY_COLOUR.stl`, beside the URDF: the surfaces of one colour of a body, in m, in the frame of the body,
+  whose origin is the neck centre. Binary STL, little-endian: 80 bytes of text, the number of triangles (uint32), then for
+  each triangle 12 float32, the normal and three corners (counter-clockwise seen from outside), and two bytes 0.
 """
 
 from __future__ import annotations
 
-import argparse
-import sys
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Final
+from typing import Annotated, Final
 from xml.etree import ElementTree as ET
 
 import mujoco
 import numpy as np
+import typer
 
-from beatrix_zenoh.body.figure import Figure, meshes
+from beatrix_zenoh.body.figure import Figure, meshes, scaled
 from beatrix_zenoh.body.surface import Floats, Mesh
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
-from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.contract.names import ARMS
-from beatrix_zenoh.motion import robot_file
+from beatrix_zenoh.files import check_new, new_file
+from beatrix_zenoh.motion.robot_file import load
+from beatrix_zenoh.output import say
+from beatrix_zenoh.terminal.options import RobotFile
+from beatrix_zenoh.terminal.run import run_command
 from sim_node.model import build_spec, ratio, rod_range
 from sim_node.visuals import MATERIALS, opaque
 
-OUT: Final = Path(__file__).resolve().parents[1] / "build" / "robot"
+MJCF, URDF = ".xml", ".urdf"
 TRIANGLE: Final = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("zero", "<u2")])
 TINY_KG: Final = 1e-4
 """Mass of the links between the joints of the head: simulators refuse links without mass."""
 HEAD_JOINTS: Final = {"yaw": (0.0, 0.0, 1.0), "pitch": (0.0, 1.0, 0.0), "roll": (1.0, 0.0, 0.0)}
 
 
-def write(folder: Path, robot: RobotData = ROBOT) -> None:
-    """Write all files into a folder; raises OSError."""
-    (folder / "meshes").mkdir(parents=True, exist_ok=True)
-    spec = build_spec(robot)
-    model = spec.compile()
-    (folder / "beatrix.xml").write_text(spec.to_xml(), encoding="utf-8")
+def model(
+    file: Annotated[
+        Path,
+        typer.Argument(metavar="FILE", help="Ends in .xml (MJCF) or .urdf; meshes of a URDF are beside it."),
+    ],
+    robot_file: RobotFile = None,
+) -> None:
+    """Write the robot for other programs: MJCF for MuJoCo, or URDF with meshes for ROS, Rerun and others.
+
+    MJCF is the model of the simulation in one file, with closed loops and motors. URDF has no closed loops: the head turns
+    by three joints. docs/explanation/neck.md describes both.
+    """
+    if file.suffix not in (MJCF, URDF):
+        raise typer.BadParameter(f"{file}: the name must end in {MJCF} (MJCF, for MuJoCo) or {URDF}.")
+    write(file, load(robot_file))
+    say(f"{file}: {'MJCF, all in one file' if file.suffix == MJCF else f'URDF, with {meshes_of(file)}'}.")
+
+
+def write(file: Path, robot: RobotData = ROBOT) -> None:
+    """Write the robot into a new file of this ending; raises Refused if it exists or cannot be written."""
+    check_new(file)
+    with new_file(file) as unfinished:
+        if file.suffix == MJCF:
+            unfinished.write_text(build_spec(robot).to_xml(), encoding="utf-8")
+            return
+        folder = meshes_of(file)
+        folder.mkdir(exist_ok=True)
+        ET.ElementTree(urdf(robot, folder)).write(unfinished, encoding="utf-8", xml_declaration=True)
+
+
+def meshes_of(file: Path) -> Path:
+    """Return the folder of the meshes of a URDF file."""
+    return file.with_name(f"{file.stem}-meshes")
+
+
+def urdf(robot: RobotData, folder: Path) -> ET.Element:
+    """Return the robot as URDF, and write its meshes into a folder; raises OSError."""
+    model = build_spec(robot).compile()
     shape = {mesh.body: mesh for mesh in meshes(Figure(robot.geometry, robot.head), fine=True)}
     root = ET.Element("robot", name="beatrix")
     for body in ("base", "yaw", "pitch", *(mesh for mesh in shape if mesh != "base")):
@@ -56,6 +88,8 @@ def write(folder: Path, robot: RobotData = ROBOT) -> None:
     speed = robot.limits.speed_max
     effort = robot.drive.holding_torque * ratio(robot.drive) * robot.drive.efficiency
     for name, chain in zip(ARMS, Figure(robot.geometry).chains, strict=True):
+        point = spaced(scaled(chain.mount, robot.head.mount_radius))
+        root.append(ET.Comment(f" closed loop: the point {point} of rod_{name} stays at that of head "))
         add_joint(root, f"arm_{name}", ("base", f"arm_{name}"), (0.0, 0.0, 1.0), None, (effort, speed))
         limits = rod_range(chain)
         add_joint(root, f"rod_{name}", (f"arm_{name}", f"rod_{name}"), chain.elbow, limits, (0.0, speed))
@@ -64,7 +98,7 @@ def write(folder: Path, robot: RobotData = ROBOT) -> None:
         furthest = np.radians(robot.limits.yaw_max if name == "yaw" else robot.limits.tilt_max)
         add_joint(root, name, parents[index : index + 2], axis, (-furthest, furthest), (0.0, speed))
     ET.indent(root)
-    ET.ElementTree(root).write(folder / "beatrix.urdf", encoding="utf-8", xml_declaration=True)
+    return root
 
 
 def add_visuals(link: ET.Element, mesh: Mesh, folder: Path) -> None:
@@ -74,9 +108,9 @@ def add_visuals(link: ET.Element, mesh: Mesh, folder: Path) -> None:
         by_colour.setdefault(colour, []).append(mesh.points[triangles])
     for colour, corners in by_colour.items():
         name = f"{mesh.body}_{MATERIALS[colour]}.stl"
-        (folder / "meshes" / name).write_bytes(stl(np.concatenate(corners)))
+        (folder / name).write_bytes(stl(np.concatenate(corners)))
         visual = ET.SubElement(link, "visual")
-        ET.SubElement(ET.SubElement(visual, "geometry"), "mesh", filename=f"meshes/{name}")
+        ET.SubElement(ET.SubElement(visual, "geometry"), "mesh", filename=f"{folder.name}/{name}")
         material = ET.SubElement(visual, "material", name=MATERIALS[colour])
         ET.SubElement(material, "color", rgba=spaced(opaque(colour)))
 
@@ -131,23 +165,6 @@ def spaced(numbers: Iterable[float]) -> str:
     return " ".join(f"{number:.9g}" for number in numbers)
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument(
-        "--robot-file", type=Path, help="values of your robot, as of `beatrix sim --robot-file`"
-    )
-    parser.add_argument("--out", type=Path, default=OUT, help="folder (default: build/robot)")
-    arguments = parser.parse_args()
-    try:
-        robot = robot_file.load(arguments.robot_file) if arguments.robot_file else ROBOT
-        write(arguments.out, robot)
-    except (BeatrixError, OSError) as error:
-        parser.error(str(error))
-    print("wrote", arguments.out)
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())
+def main(words: list[str] | None = None) -> int:
+    """Run `beatrix model`, and return the exit code; an entry point of group `beatrix.processes`."""
+    return run_command(model, "beatrix model", words)
