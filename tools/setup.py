@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parent.parent
 VENV = ROOT / ".venv"
 PYTHON = VENV / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
 CONSTRAINTS = ROOT / "constraints.txt"
-EXTRAS = {"demo": "cli,hw,sim,rerun,web", "test": "cli,hw,sim,plot,rerun,analyse,gui,classroom,web"}
+EXTRAS = {"demo": "cli,hw,sim,rerun,web", "test": "cli,hw,sim,plot,rerun,analyse,mcap,gui,classroom,web"}
 """By purpose. The demo takes what its first minute needs; `beatrix install` adds the rest when it is wanted."""
 
 
@@ -106,7 +106,9 @@ def requirements(purpose: str) -> list[str]:
 
 def empty_venv() -> None:
     """Make .venv, with uv if this computer has it; exit with a message if that fails."""
-    if works(["uv", "--version"]) and run(["uv", "venv", "--seed", "--clear", "--python", sys.executable, str(VENV)]):
+    if works(["uv", "--version"]) and run(
+        ["uv", "venv", "--seed", "--clear", "--python", sys.executable, str(VENV)]
+    ):
         return
     if not works([sys.executable, "-c", "import ensurepip"]):
         install_debian_packages("venv")

@@ -6,8 +6,8 @@ Tables are made in blocks of rows, so that a long recording of a class needs lit
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
@@ -26,6 +26,7 @@ from beatrix_zenoh.recording.samples import (
     Note,
     Recorded,
     Samples,
+    TimedEvent,
 )
 from beatrix_zenoh.recording.series import HEAD
 
@@ -53,6 +54,8 @@ class Table:
     """last time of the exported part"""
     notes: tuple[Note, ...] = ()
     """notes of this part in the order of time; those before and after all samples belong to its ends"""
+    events: Mapping[Place, tuple[TimedEvent, ...]] = field(default_factory=dict)
+    """all events of these robots, in the order of time"""
 
     def grid(self) -> Iterator[Block]:
         """Yield one row for each point of the grid of 20 ms, with the robots side by side."""
@@ -122,7 +125,8 @@ def table(
         for note in recorded.notes
         if (not from_s or note.time_ns >= from_ns) and (to_s > lasts_s or note.time_ns <= to_ns)
     )
-    return Table(chosen, start_ns, from_ns, to_ns, notes)
+    events = {place: recorded.events.get(place, ()) for place in chosen}
+    return Table(chosen, start_ns, from_ns, to_ns, notes, events)
 
 
 def quantities(samples: Samples) -> Iterator[tuple[str, Floats]]:

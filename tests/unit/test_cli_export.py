@@ -77,8 +77,8 @@ def test_a_signal_leaves_no_incomplete_file(
     ("words", "code", "says"),
     [
         ("lesson.csv", 2, "lesson.csv is not the name of a recording"),
-        ("lesson.rrd", 2, "must end with .csv or .parquet"),
-        ("lesson.rrd lesson.xlsx", 2, "must end with .csv or .parquet"),
+        ("lesson.rrd", 2, "must end with .csv, .parquet or .mcap"),
+        ("lesson.rrd lesson.xlsx", 2, "must end with .csv, .parquet or .mcap"),
         ("lesson.rrd lesson.mp4", 2, "A film is named by --video"),
         ("lesson.rrd lesson.wav", 2, "a sound by --sound FILE.wav"),
         ("new.csv lesson.rrd", 2, "named last"),

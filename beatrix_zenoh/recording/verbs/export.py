@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -34,13 +34,14 @@ class EyeName(StrEnum):
     RIGHT = "right"
 
 
-TABLES = (".csv", ".parquet")
+MCAP = ".mcap"
+TABLES = (".csv", ".parquet", MCAP)
 
 Files = Annotated[
     list[Path],
     typer.Argument(
         metavar="RECORDING.rrd... [FILE]",
-        help="The recording, all its files if it was rotated, then the table: .csv or .parquet.",
+        help="The recording, all its files if it was rotated, then the table: .csv, .parquet or .mcap.",
     ),
 ]
 From = Annotated[
@@ -79,10 +80,10 @@ def export(
     on: On = None,
     as_json: Json = False,
 ) -> None:
-    """Write a recording as a table (CSV, Parquet), film or sound.
+    """Write a recording as a table (CSV, Parquet), MCAP for Foxglove, film or sound.
 
     A row every 20 ms, with all robots side by side; fields are empty where samples are missing. Units are in the names of the
-    columns; docs/how-to/analyse.md lists them. --video shows the models of both robots, or with --eye what one eye saw.
+    columns; docs/how-to/analyse.md lists them. MCAP has every sample as a message, in rad. --video shows the models of both robots, or with --eye what one eye saw.
     """
     check_options(video, sound, eye, on)
     recordings, out = sources_and_table(files, alone=video is not None or sound is not None)
@@ -96,8 +97,9 @@ def export(
     with signals_interrupt():  # so that SIGTERM deletes an incomplete file, as Ctrl-C does
         if out is not None:
             rows = written(out, found)
-            document |= {"file": str(out), "rows": rows}
-            lines.append(f"{out}: {rows} rows of {', '.join(robots_of(found))}.")
+            what = "messages" if out.suffix.lower() == MCAP else "rows"
+            document |= {"file": str(out), what: rows}
+            lines.append(f"{out}: {rows} {what} of {', '.join(robots_of(found))}.")
         if video is not None:
             frames, left_out, shows = written_film(video, recordings, found, eye, on)
             document |= {"video": str(video), "frames": frames, "left_out": left_out}
@@ -127,7 +129,7 @@ def sources_and_table(files: Sequence[Path], *, alone: bool) -> tuple[list[Path]
     if len(others) != 1 or files[-1] != others[0] or others[0].suffix.lower() not in TABLES:
         given = ", ".join(map(str, others)) or "none is given"
         raise typer.BadParameter(
-            f"One table is written, and named last: it must end with {' or '.join(TABLES)} ({given}). A film is named by "
+            f"One table is written, and named last: it must end with {', '.join(TABLES[:-1])} or {MCAP} ({given}). A film is named by "
             "--video FILE.mp4, a sound by --sound FILE.wav."
         )
     return recordings, others[0]
@@ -141,20 +143,30 @@ def opened(recordings: Sequence[Path], begin: float, end: float | None, names: S
 
 
 def written(path: Path, found: Table) -> int:
-    """Write the table, completely or not at all, and return the number of rows.
+    """Write the table, completely or not at all, and return the number of rows, or of messages of MCAP.
 
     Raises:
         Refused: BAD_VALUE, the part contains no samples, or the file cannot be written.
     """
     from beatrix_zenoh.recording.export import write_table
 
+    write = mcap_writer() if path.suffix.lower() == MCAP else lambda out, part: write_table(out, part.grid())
     with new_file(path) as unfinished:
-        rows = write_table(unfinished, found.grid())
+        rows = write(unfinished, found)
         if not rows:
             raise bad_value(
                 f"{path} is not written: no samples are in this part of the recording. Change --from or --to.",
             )
     return rows
+
+
+def mcap_writer() -> Callable[[Path, Table], int]:
+    """Return the function that writes MCAP; raises Refused if its library is not installed."""
+    try:
+        from beatrix_zenoh.recording.mcap import write_mcap
+    except ModuleNotFoundError as error:
+        raise bad_value(f"A file of MCAP needs {error.name}. Run `beatrix install mcap`.") from error
+    return write_mcap
 
 
 def robots_of(found: Table) -> list[str]:
