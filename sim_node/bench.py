@@ -40,6 +40,10 @@ class VirtualTimeRobot(VirtualTime):
         self.send(frame.kind, frame.pack())
         self._last = goal
         self.advance()
+        return self.state()
+
+    def state(self) -> dict[str, list[float]]:
+        """Return angles (deg) and speeds (deg/s) of arms and head, and the set points of the arms (deg)."""
         plant = self.plant
         return {
             "arms": _degrees(plant.arms()),

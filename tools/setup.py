@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parent.parent
 VENV = ROOT / ".venv"
 PYTHON = VENV / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
 CONSTRAINTS = ROOT / "constraints.txt"
-EXTRAS = {"demo": "cli,hw,sim,rerun,web", "test": "cli,hw,sim,plot,rerun,analyse,mcap,gui,classroom,web"}
+EXTRAS = {"demo": "cli,hw,sim,rerun,web", "test": "cli,hw,sim,plot,rerun,analyse,mcap,gym,gui,classroom,web"}
 """By purpose. The demo takes what its first minute needs; `beatrix install` adds the rest when it is wanted."""
 
 
