@@ -1,6 +1,7 @@
-"""A recording as MCAP, for Foxglove and PlotJuggler: JSON with JSON Schema, under the keys that robots publish on.
+"""A recording as MCAP, for Foxglove and PlotJuggler: JSON with JSON Schema.
 
-Angles are in rad and fields have their names, as in the messages of the contract.
+Topics are the keys that robots publish on, after a slash, without which Foxglove wants quotes. Fields are those of the
+messages of the contract, so that angles are in rad.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from beatrix_zenoh.contract.codec import encode_json
 from beatrix_zenoh.recording.export import Table
 from beatrix_zenoh.recording.samples import Note, Samples, TimedEvent
 
-NOTES: Final = "notes"
+NOTES: Final = "/notes"
 """Topic of the notes of users."""
 ANGLES: Final = {
     "position": ("arms", Vector3),
@@ -82,7 +83,7 @@ def write_mcap(path: Path, table: Table) -> int:
 
 def samples_of(place: Place, samples: Samples, table: Table) -> Iterator[Message]:
     """Yield the samples of one robot; a field that was not recorded is missing."""
-    topic = keys.positions(*place)
+    topic = f"/{keys.positions(*place)}"
     inside = (samples.time_ns >= table.first_ns) & (samples.time_ns <= table.last_ns)
     fields = {
         field: (kind.__struct_fields__, np.radians(getattr(samples, held)[inside]).round(DECIMALS).tolist())
@@ -103,7 +104,7 @@ def events_of(place: Place, events: tuple[TimedEvent, ...], table: Table) -> Ite
     for time_ns, event in ((one.time_ns, one.event) for one in events):
         if table.first_ns <= time_ns <= table.last_ns:
             json = msgspec.json.encode(filled(msgspec.json.decode(encode_json(event))))
-            yield Message(time_ns, event.t_wall_ns, keys.events(*place), Event, json, event.seq)
+            yield Message(time_ns, event.t_wall_ns, f"/{keys.events(*place)}", Event, json, event.seq)
 
 
 def notes_of(notes: tuple[Note, ...]) -> Iterator[Message]:

@@ -97,7 +97,7 @@ def test_each_sample_is_a_message_with_its_times_and_angles(lesson: Path, tmp_pa
     assert [at for _, at, _, _ in found] == sorted(at for _, at, _, _ in found)
     for name, side in PLACES:
         samples = read(lesson).robots[name, side]
-        rows = [row for row in found if row[0] == f"beatrix/{name}/{side}/state/positions"]
+        rows = [row for row in found if row[0] == f"/beatrix/{name}/{side}/state/positions"]
         assert [at for _, at, _, _ in rows] == samples.time_ns.tolist()
         assert [at for _, _, at, _ in rows] == samples.robot_ns.tolist()
         for field, values in (("position", samples.arms), ("head", samples.head)):
@@ -113,10 +113,10 @@ def test_each_sample_is_a_message_with_its_times_and_angles(lesson: Path, tmp_pa
 
 def test_events_and_notes_are_messages_without_nulls(lesson: Path, tmp_path: Path) -> None:
     (event,) = (row for row in exported(lesson, tmp_path / "all.mcap") if row[0].endswith("events"))
-    assert event[:3] == ("beatrix/ada/hw/state/events", AT_NS, AT_NS - 5)
+    assert event[:3] == ("/beatrix/ada/hw/state/events", AT_NS, AT_NS - 5)
     assert msgspec.convert(event[3], Event) == REFUSED
     assert b"null" not in json.dumps(event[3]).encode()
-    (note,) = (row for row in exported(lesson, tmp_path / "again.mcap") if row[0] == "notes")
+    (note,) = (row for row in exported(lesson, tmp_path / "again.mcap") if row[0] == "/notes")
     assert msgspec.convert(note[3], Note) == NOTE
 
 
