@@ -1,4 +1,4 @@
-"""The simulated head as an environment of Gymnasium, in virtual time: some fifty times as fast as the robot.
+"""The simulated head as an environment of Gymnasium, in virtual time, about twenty times as fast as the robot.
 
 `gymnasium.make("beatrix_zenoh.gym:BeatrixHead-v0")`. The task: turn the head to a goal, and rest there. A step is 20 ms
 of firmware and physics. Needs `beatrix install gym`.

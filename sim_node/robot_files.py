@@ -62,7 +62,12 @@ def write(file: Path, robot: RobotData = ROBOT) -> None:
     check_new(file)
     with new_file(file) as unfinished:
         if file.suffix == MJCF:
-            unfinished.write_text(build_spec(robot).to_xml(), encoding="utf-8")
+            spec = build_spec(robot)
+            spec.visual.headlight.ambient, spec.visual.headlight.diffuse = (
+                [0.45] * 3,
+                [0.55] * 3,
+            )  # its only light
+            unfinished.write_text(spec.to_xml(), encoding="utf-8")
             return
         folder = meshes_of(file)
         folder.mkdir(exist_ok=True)
@@ -88,7 +93,7 @@ def urdf(robot: RobotData, folder: Path) -> ET.Element:
     speed = robot.limits.speed_max
     effort = robot.drive.holding_torque * ratio(robot.drive) * robot.drive.efficiency
     for name, chain in zip(ARMS, Figure(robot.geometry).chains, strict=True):
-        point = spaced(scaled(chain.mount, robot.head.mount_radius))
+        point = " ".join(f"{number:.6f}" for number in scaled(chain.mount, robot.head.mount_radius))
         root.append(ET.Comment(f" closed loop: the point {point} of rod_{name} stays at that of head "))
         add_joint(root, f"arm_{name}", ("base", f"arm_{name}"), (0.0, 0.0, 1.0), None, (effort, speed))
         limits = rod_range(chain)
