@@ -55,7 +55,7 @@ class Table:
     notes: tuple[Note, ...] = ()
     """notes of this part in the order of time; those before and after all samples belong to its ends"""
     events: Mapping[Place, tuple[TimedEvent, ...]] = field(default_factory=dict)
-    """all events of these robots, in the order of time"""
+    """events of these robots in this part, in the order of time; those before and after all samples belong to its ends"""
 
     def grid(self) -> Iterator[Block]:
         """Yield one row for each point of the grid of 20 ms, with the robots side by side."""
@@ -120,12 +120,14 @@ def table(
         )
     from_ns = max(first_ns, start_ns + round(from_s * 1e9))
     to_ns = min(last_ns, start_ns + round(min(to_s, lasts_s) * 1e9))
-    notes = tuple(
-        note
-        for note in recorded.notes
-        if (not from_s or note.time_ns >= from_ns) and (to_s > lasts_s or note.time_ns <= to_ns)
-    )
-    events = {place: recorded.events.get(place, ()) for place in chosen}
+
+    def inside(time_ns: int) -> bool:
+        return (not from_s or time_ns >= from_ns) and (to_s > lasts_s or time_ns <= to_ns)
+
+    notes = tuple(note for note in recorded.notes if inside(note.time_ns))
+    events = {
+        place: tuple(one for one in recorded.events.get(place, ()) if inside(one.time_ns)) for place in chosen
+    }
     return Table(chosen, start_ns, from_ns, to_ns, notes, events)
 
 

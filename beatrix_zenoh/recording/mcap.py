@@ -20,7 +20,7 @@ from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import Event, Head, Positions, Vector3
 from beatrix_zenoh.contract.codec import encode_json
 from beatrix_zenoh.recording.export import Table
-from beatrix_zenoh.recording.samples import Note, Samples, TimedEvent
+from beatrix_zenoh.recording.samples import Floats, Note, Samples, TimedEvent
 
 NOTES: Final = "/notes"
 """Topic of the notes of users."""
@@ -63,7 +63,7 @@ class Message(NamedTuple):
 def write_mcap(path: Path, table: Table) -> int:
     """Write the samples, events and notes of a table in the order of time, and return their number; raises OSError."""
     parts = [samples_of(place, samples, table) for place, samples in table.robots.items()]
-    parts += [events_of(place, events, table) for place, events in table.events.items()]
+    parts += [events_of(place, events) for place, events in table.events.items()]
     merged = heapq.merge(*parts, notes_of(table.notes), key=lambda message: message.time_ns)
     number, channels = 0, dict[str, int]()
     with path.open("wb") as file:
@@ -86,7 +86,7 @@ def samples_of(place: Place, samples: Samples, table: Table) -> Iterator[Message
     topic = f"/{keys.positions(*place)}"
     inside = (samples.time_ns >= table.first_ns) & (samples.time_ns <= table.last_ns)
     fields = {
-        field: (kind.__struct_fields__, np.radians(getattr(samples, held)[inside]).round(DECIMALS).tolist())
+        field: (kind.__struct_fields__, rounded(getattr(samples, held)[inside]))
         for field, (held, kind) in ANGLES.items()
     }
     stamps = (column[inside].tolist() for column in (samples.time_ns, samples.robot_ns, samples.seq))
@@ -99,12 +99,18 @@ def samples_of(place: Place, samples: Samples, table: Table) -> Iterator[Message
         yield Message(time_ns, robot_ns, topic, Positions, msgspec.json.encode(values), max(0, seq))
 
 
-def events_of(place: Place, events: tuple[TimedEvent, ...], table: Table) -> Iterator[Message]:
-    """Yield the events of one robot within the table, without fields that say nothing."""
+def rounded(angles_deg: Floats) -> list[list[float]]:
+    """Return rows of angles in rad; adding 0 turns -0.0 into 0."""
+    rows: list[list[float]] = (np.radians(angles_deg).round(DECIMALS) + 0.0).tolist()
+    return rows
+
+
+def events_of(place: Place, events: tuple[TimedEvent, ...]) -> Iterator[Message]:
+    """Yield the events of one robot, without fields that say nothing."""
+    topic = f"/{keys.events(*place)}"
     for time_ns, event in ((one.time_ns, one.event) for one in events):
-        if table.first_ns <= time_ns <= table.last_ns:
-            json = msgspec.json.encode(filled(msgspec.json.decode(encode_json(event))))
-            yield Message(time_ns, event.t_wall_ns, f"/{keys.events(*place)}", Event, json, event.seq)
+        json = msgspec.json.encode(filled(msgspec.json.decode(encode_json(event))))
+        yield Message(time_ns, event.t_wall_ns, topic, Event, json, event.seq)
 
 
 def notes_of(notes: tuple[Note, ...]) -> Iterator[Message]:

@@ -37,7 +37,8 @@ from beatrix_zenoh.recording.samples import Note
 
 PLACES = ("ada", "sim"), ("ada", "hw")
 ROWS = 100
-AT_NS = BEGAN_NS + 10 * STEP_NS
+AT_NS = BEGAN_NS - STEP_NS
+"""Before the first sample, because a program has connected before the recorder heard the robot."""
 REFUSED = Event(
     seq=7,
     t_mono_ns=1,
