@@ -23,6 +23,7 @@ from beatrix_zenoh.account import Account
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.output import CODES, FAILED, USAGE, note, typed
+from beatrix_zenoh.process_groups import GROUP, NEW_GROUP, ask_to_end, kill_group
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 from beatrix_zenoh.shutdown import INTERRUPTED, Shutdown, signals_ignored
 
@@ -41,8 +42,6 @@ WATCH_S = 0.2
 """Period (s) in which `watch` prints the output of the children."""
 LAST_LINES = 5
 """Number of output lines of a failed child that are shown."""
-NEW_GROUP = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
-"""Flag of Windows that corresponds to `process_group` on other systems."""
 
 
 class Role(Enum):
@@ -75,7 +74,7 @@ def start_child(
         stdout=output,
         stderr=subprocess.STDOUT,
         env=os.environ | dict(environment),
-        process_group=None if sys.platform == "win32" else 0,
+        process_group=GROUP,
         creationflags=NEW_GROUP,
     )
 
@@ -131,15 +130,15 @@ class Child:
             return b""
 
     def end(self, grace_s: float = END_S) -> None:
-        """Send SIGTERM to the process and wait; kill the process after `grace_s` (s)."""
+        """Ask the process to end and wait; kill the process after `grace_s` (s)."""
         end(self._process, grace_s)
         if self._process.stdin is not None:
             self._process.stdin.close()
 
 
 def end(process: subprocess.Popen[bytes], grace_s: float) -> None:
-    """Send SIGTERM to a process, unless it has ended, and wait; kill the process after `grace_s` (s)."""
-    process.terminate()
+    """Ask a process to end, unless it has ended, and wait; kill the process after `grace_s` (s)."""
+    ask_to_end(process)
     try:
         process.wait(grace_s)
     except subprocess.TimeoutExpired:
@@ -150,9 +149,7 @@ def end(process: subprocess.Popen[bytes], grace_s: float) -> None:
 def end_with_children(process: subprocess.Popen[bytes], grace_s: float) -> None:
     """End a process of `start_child` as `end` does, and kill what it has started."""
     end(process, grace_s)
-    if sys.platform != "win32":  # there a process has no group that outlives it
-        with contextlib.suppress(ProcessLookupError, PermissionError):
-            os.killpg(process.pid, signal.SIGKILL)
+    kill_group(process)
 
 
 class Supervisor:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,10 +18,10 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.serial import BAUD
 from beatrix_zenoh.contract.errors import NoAnswer
 
-try:
+if sys.platform == "win32":
+    TerminalError = OSError
+else:
     from termios import error as TerminalError  # noqa: N812 - it is a class
-except ImportError:  # Windows
-    TerminalError = OSError  # type: ignore[misc,assignment]
 
 MEGA_USB_IDS = {(0x2341, 0x0042), (0x2341, 0x0010), (0x2A03, 0x0042), (0x2A03, 0x0010), (0x1A86, 0x7523)}
 """USB vendor and product of Arduino Mega 2560 boards and of the CH340 of their clones."""

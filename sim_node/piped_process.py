@@ -123,7 +123,8 @@ def requests() -> Iterator[tuple[Sequence[str], SceneState]]:
     with contextlib.suppress(EOFError):
         yield pickle.load(sys.stdin.buffer)  # noqa: S301 - as below
         # Only when the first is done, because a client waits for the first picture.
-        with contextlib.suppress(AttributeError, OSError):
-            os.nice(NICE)
+        if sys.platform != "win32":
+            with contextlib.suppress(OSError):
+                os.nice(NICE)
         while True:
             yield pickle.load(sys.stdin.buffer)  # noqa: S301 - of the simulation

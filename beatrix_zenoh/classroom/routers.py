@@ -29,7 +29,8 @@ from beatrix_zenoh.classroom.router_file import CHECK_KEY, Part, RouterFile
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.output import note, say
-from beatrix_zenoh.processes import NEW_GROUP, end, in_words
+from beatrix_zenoh.process_groups import GROUP, NEW_GROUP
+from beatrix_zenoh.processes import end, in_words
 from beatrix_zenoh.shutdown import Shutdown
 
 POLL_S: Final = 0.1
@@ -72,7 +73,7 @@ class ChildRouter:
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             env={"RUST_MIN_STACK": STACK, **os.environ},
-            process_group=None if sys.platform == "win32" else 0,
+            process_group=GROUP,
             creationflags=NEW_GROUP,
         )
         self._reader = threads.start(self._read, f"router-{part.value}")

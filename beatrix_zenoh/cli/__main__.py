@@ -11,11 +11,11 @@ from __future__ import annotations
 
 import os
 import runpy
-import signal
 import sys
 import threading
 
 from beatrix_zenoh.cli.app import main
+from beatrix_zenoh.process_groups import ask_this_to_end
 
 STDIN = 0
 
@@ -24,7 +24,7 @@ def watch_parent() -> None:
     """Wait until the parent has ended, then request the shutdown of this process."""
     while os.read(STDIN, 1):
         pass
-    os.kill(os.getpid(), signal.SIGTERM)
+    ask_this_to_end()
 
 
 def run_program(file: str) -> None:

@@ -2,4 +2,9 @@
 
 from __future__ import annotations
 
-from beatrix_zenoh.legacy.terminal import Terminal as Terminal
+import sys
+
+if sys.platform == "win32":
+    from beatrix_zenoh.legacy.no_terminal import Terminal as Terminal
+else:
+    from beatrix_zenoh.legacy.terminal import Terminal as Terminal

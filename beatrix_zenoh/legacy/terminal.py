@@ -3,29 +3,24 @@
 from __future__ import annotations
 
 import contextlib
+import grp
 import os
 import select
 import sys
+import termios
 import threading
-import time
+import tty
 from itertools import islice
 from pathlib import Path
-from typing import Final, Protocol
+from typing import Final
 
 from beatrix_zenoh import threads
-from beatrix_zenoh.contract._generated import serial as wire
 from beatrix_zenoh.contract.errors import Refused, bad_value
+from beatrix_zenoh.legacy.lines import LineSplitter, TerminalListener
 
-try:
-    import termios
-    import tty
-except ImportError:  # Windows has no pseudo-terminals
-    POSSIBLE = False
-else:
-    POSSIBLE = True
+assert sys.platform != "win32"  # there `beatrix_zenoh.legacy` has another class of this name
 
-LINE_END_S = wire.TEXT_LINE_TIMEOUT / 1000
-"""Time without a byte after which an incomplete line is dropped (s)."""
+
 TURN_S = 0.02
 """Period of the checks whether a program has opened the terminal, or reads again (s)."""
 CHUNK = 512
@@ -33,26 +28,8 @@ CHUNK = 512
 UNREAD_MAX = 1 << 16
 """Largest number of bytes that the system keeps from a program, and that the node keeps of answers that the program has
 not read; further answers are dropped as whole lines."""
-BLANKS = b" \t"
-"""Characters that the firmware skips at the start of a line."""
 LOCAL = 3
 """Index of the local modes, which include echo, in the settings of termios."""
-
-
-class TerminalListener(Protocol):
-    """Receives the lines of programs; its methods are called on the terminal's thread, in order."""
-
-    def opened(self) -> None:
-        """Handle a program that has opened the terminal.
-
-        `write` drops all answers until `begin_answers` is called once.
-        """
-
-    def received(self, line: bytes) -> None:
-        """Handle a line of the program; `line` has no line end and no leading blanks, and is never empty."""
-
-    def closed(self) -> None:
-        """Handle the end of the program, or a program that has closed the terminal."""
 
 
 class Terminal:
@@ -65,10 +42,6 @@ class Terminal:
     """
 
     def __init__(self, path: Path) -> None:
-        if not POSSIBLE:
-            raise bad_value(
-                "--legacy needs a pseudo-terminal, which Windows does not have. Run this node on Linux or macOS.",
-            )
         self.path = path
         remove_leftover(path)
         self._master, slave = os.openpty()
@@ -195,31 +168,6 @@ def hung_up(events: list[tuple[int, int]]) -> bool:
     return any(event & select.POLLHUP for _, event in events)
 
 
-class LineSplitter:
-    """Splits the bytes that a program writes into lines."""
-
-    def __init__(self) -> None:
-        self._begun = b""
-        self._written_s = 0.0
-
-    def split(self, data: bytes) -> list[bytes]:
-        """Return the lines that end in `data`, without line ends and leading blanks; `data` may be empty."""
-        now_s = time.monotonic()
-        if not data and now_s - self._written_s >= LINE_END_S:
-            self._begun = b""
-        if not data:
-            return []
-        self._written_s = now_s
-        *lines, rest = (self._begun + data).replace(b"\n", b"\r").split(b"\r")
-        self._begun = rest.lstrip(BLANKS)[: wire.TEXT_LINE_MAX + 1]
-        return [line for text in lines if (line := text.lstrip(BLANKS))]
-
-
-try:
-    import grp
-except ImportError:  # Windows, which has no pseudo-terminals either
-    grp = None  # type: ignore[assignment]
-
 GROUP: Final = "dialout"
 """On Linux the group of users who may open serial ports."""
 GROUP_MODE: Final = 0o660
@@ -256,8 +204,6 @@ def unlink(path: Path, device: str) -> None:
 
 def share(device: str) -> None:
     """Let the users who may open serial ports open `device`, if this process has the right to allow it."""
-    if grp is None:
-        return
     with contextlib.suppress(KeyError, OSError):  # no such group, or this user is not in it
         os.chown(device, -1, grp.getgrnam(GROUP).gr_gid)
         Path(device).chmod(GROUP_MODE)  # after chown, so that no other group can open it

@@ -25,7 +25,9 @@ from beatrix_zenoh.lessons.phrases import ErrorData, error_data
 
 SLOWER = 10.0
 """A call may take this many times its limit on a busy computer, as long as it does not use the processor."""
-ALARM_CODE = -signal.SIGPROF if sys.platform != "win32" else None
+ALARM_CODE: int | None = None
+if sys.platform != "win32":
+    ALARM_CODE = -signal.SIGPROF
 """Exit code of a process that has used up its processor time; Windows limits the time only, not that of the processor."""
 STDERR = 2
 ODD = 60

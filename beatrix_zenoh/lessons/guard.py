@@ -58,6 +58,8 @@ def obey(program: subprocess.Popen[bytes]) -> None:
 
 def kill_children() -> None:
     """Kill all children of this process; their own children are then its children, too."""
+    if sys.platform == "win32":
+        return  # `own_children` knows none there
     end_s = time.monotonic() + KILL_S
     while (children := own_children()) and time.monotonic() < end_s:
         for child in children:

@@ -24,6 +24,7 @@ from beatrix_zenoh.contract.codec import UNREADABLE
 from beatrix_zenoh.lessons.function_child import FunctionReply
 from beatrix_zenoh.lessons.phrases import ErrorData, Phrase, Unmet, phrase
 from beatrix_zenoh.lessons.sandbox import GUARD, Sandbox
+from beatrix_zenoh.process_groups import kill_group
 
 SIGNALLED = 128
 """An exit code of the guard above this number is that of a signal."""
@@ -49,17 +50,6 @@ def close(pipe: IO[bytes] | None) -> None:
     if pipe is not None:
         with contextlib.suppress(OSError):
             pipe.close()
-
-
-def kill_group(process: subprocess.Popen[bytes]) -> None:
-    """Kill a process that leads a group, and the processes of the group."""
-    if sys.platform == "win32":
-        process.kill()
-        return
-    with contextlib.suppress(
-        ProcessLookupError, PermissionError
-    ):  # PermissionError: macOS, if all have ended
-        os.killpg(process.pid, signal.SIGKILL)
 
 
 def exit_code(process: subprocess.Popen[bytes]) -> int:

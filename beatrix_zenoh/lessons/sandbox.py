@@ -24,7 +24,7 @@ from beatrix_zenoh.account import Account
 from beatrix_zenoh.contract.errors import BeatrixError, bad_value
 from beatrix_zenoh.lessons.guard import USED
 from beatrix_zenoh.lessons.program import Program
-from beatrix_zenoh.processes import NEW_GROUP
+from beatrix_zenoh.process_groups import GROUP, NEW_GROUP
 
 GUARD: Final = (sys.executable, "-I", "-S", str(Path(__file__).with_name("guard.py")))
 KEPT: Final = (
@@ -97,7 +97,7 @@ class Sandbox:
             stderr=stderr,
             cwd=self.working,
             env=self._environment(more),
-            process_group=None if sys.platform == "win32" else 0,
+            process_group=GROUP,
             creationflags=NEW_GROUP,
         )
 

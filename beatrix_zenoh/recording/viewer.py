@@ -22,6 +22,7 @@ from beatrix_zenoh import processes
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import NoAnswer, bad_value, wrong_usage
 from beatrix_zenoh.output import typed
+from beatrix_zenoh.process_groups import GROUP
 
 HOST: Final = "127.0.0.1"
 """The viewer accepts data and commands from every program, so other computers must not reach its port."""
@@ -160,7 +161,7 @@ class Viewer:
             stdout=subprocess.DEVNULL,
             stderr=self._words,
             env=environment(),
-            process_group=None if sys.platform == "win32" else 0,
+            process_group=GROUP,
         )
 
     def wait_ready(self, port: int | None = None) -> None:
