@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import fcntl
 import os
 import re
 import signal
@@ -13,6 +12,7 @@ from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import pytest
+from file_locks import lock
 from hypothesis import settings
 from late_tests import Excuses
 from robots import IDLE, IDLE_THREAD, Stage, children, end_idle_routers
@@ -116,17 +116,16 @@ def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object
     alone = item.get_closest_marker("alone") is not None
     with RUNNING.open("rb") as running:
         with BEGINS.open("rb") as begins:
-            fcntl.flock(
-                begins, fcntl.LOCK_EX
-            )  # without it, new tests could delay one that runs alone indefinitely
-            fcntl.flock(running, fcntl.LOCK_EX if alone else fcntl.LOCK_SH)
+            lock(begins)  # without it, new tests could delay one that runs alone indefinitely
+            lock(running, shared=not alone)
         return (yield)
 
 
 def own_user_folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Hide the folder of the developer: accounts are read there, and nodes keep the teacher's decisions there."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("XDG_CONFIG_HOME", str(tmp_path_factory.mktemp("config")))
+        name = {"win32": "APPDATA", "darwin": "HOME"}.get(sys.platform, "XDG_CONFIG_HOME")
+        patch.setenv(name, str(tmp_path_factory.mktemp("config")))
         yield
 
 

@@ -6,12 +6,13 @@ anew; read the difference before you commit it.
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
 import tomllib
 from functools import cache
 from pathlib import Path
+
+from file_locks import lock
 
 FILE = Path(__file__).resolve().parents[1] / "golden.toml"
 HEADING = "# The sentences that people read; see tests/support/golden.py.\n"
@@ -34,7 +35,7 @@ def texts() -> dict[str, dict[str, str]]:
 def write(section: str, name: str, text: str) -> None:
     """Write an entry; other processes of the same run may write others meanwhile."""
     with FILE.open("a+", encoding="utf-8") as file:
-        fcntl.flock(file, fcntl.LOCK_EX)
+        lock(file)
         file.seek(0)
         sections: dict[str, dict[str, str]] = tomllib.loads(file.read())
         sections.setdefault(section, {})[name] = text

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import codecs
 import contextlib
-import resource
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -19,6 +18,7 @@ from beatrix_zenoh.files import new_file
 from beatrix_zenoh.motion import robot_file
 from gui.console.state import saved
 
+resource = pytest.importorskip("resource", reason="Windows has none")
 SMALL = 2048
 """Largest file on the full disk, bytes."""
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import errno
 import os
-import termios
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -16,6 +15,7 @@ from beatrix_zenoh import NoAnswer
 from hw_node.app import main
 from hw_node.port import SerialPort, find
 
+termios = pytest.importorskip("termios", reason="Windows has none")
 MEGA = SimpleNamespace(device="/dev/ttyACM0", vid=0x2341, pid=0x0042)
 CLONE = SimpleNamespace(device="/dev/ttyUSB0", vid=0x1A86, pid=0x7523)
 MODEM = SimpleNamespace(device="/dev/ttyS0", vid=None, pid=None)
