@@ -27,6 +27,8 @@ from beatrix_zenoh.process_groups import GROUP, NEW_GROUP, ask_to_end, kill_grou
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT
 from beatrix_zenoh.shutdown import INTERRUPTED, Shutdown, signals_ignored
 
+PYTHON = (sys.executable, "-X", "utf8", "-P", "-m")
+"""Starts a module of ours; its pipes are UTF-8 on Windows, too, where names of users, folders and ports may have umlauts."""
 READY_S = 20.0
 """Time (s) after which a start is reported as slow; a busy computer that imports MuJoCo may need all of it."""
 CRASHES_S = 60.0
@@ -69,7 +71,7 @@ def start_child(
     so that it ends with the parent even if the parent is killed (see cli/__main__.py).
     """
     return subprocess.Popen(
-        [sys.executable, "-P", "-m", "beatrix_zenoh.cli", "--with-parent", *arguments],
+        [*PYTHON, "beatrix_zenoh.cli", "--with-parent", *arguments],
         stdin=subprocess.PIPE,
         stdout=output,
         stderr=subprocess.STDOUT,

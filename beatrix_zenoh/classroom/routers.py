@@ -10,7 +10,6 @@ import contextlib
 import os
 import queue
 import subprocess
-import sys
 import threading
 import time
 from collections.abc import Collection, Iterator
@@ -30,7 +29,7 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, NoAnswer, Refused
 from beatrix_zenoh.output import note, say
 from beatrix_zenoh.process_groups import GROUP, NEW_GROUP
-from beatrix_zenoh.processes import end, in_words
+from beatrix_zenoh.processes import PYTHON, end, in_words
 from beatrix_zenoh.shutdown import Shutdown
 
 POLL_S: Final = 0.1
@@ -69,7 +68,7 @@ class ChildRouter:
         self._asking: threading.Thread | None = None
         self._events: queue.SimpleQueue[list[object]] = queue.SimpleQueue()
         self._process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "beatrix_zenoh.classroom.router_process", part.value],
+            [*PYTHON, "beatrix_zenoh.classroom.router_process", part.value],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             env={"RUST_MIN_STACK": STACK, **os.environ},

@@ -18,7 +18,7 @@ import typer
 from beatrix_zenoh.contract.errors import bad_value
 from beatrix_zenoh.files import new_file
 from beatrix_zenoh.output import FAILED, note, print_json, say, typed
-from beatrix_zenoh.processes import Role, Supervisor, advice, end_on_interrupt, watch
+from beatrix_zenoh.processes import PYTHON, Role, Supervisor, advice, end_on_interrupt, watch
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import signals_interrupt
 from beatrix_zenoh.terminal.options import Json
@@ -33,7 +33,7 @@ REST_DEG = "0.5"
 SETTLE_S = 0.5
 """Time at rest before and after the movement (s)."""
 NEXT = ("look --yaw 20 --on both", "top", "stop")
-CLI = (sys.executable, "-P", "-m", "beatrix_zenoh.cli")
+CLI = (*PYTHON, "beatrix_zenoh.cli")
 
 
 def demo(

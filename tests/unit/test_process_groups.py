@@ -100,3 +100,11 @@ def test_every_module_can_be_imported_without_what_windows_lacks() -> None:
     command = [sys.executable, without_posix.__file__]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
+
+
+def test_pipes_of_our_programs_are_utf_8_in_a_locale_without_umlauts() -> None:
+    command = [*processes.PYTHON[:-1], "-c", "print('Gerät')"]
+    narrow = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    assert (
+        subprocess.check_output(command, env=os.environ | narrow, encoding="utf-8", timeout=60) == "Gerät\n"
+    )

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 import subprocess
-import sys
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -17,7 +16,7 @@ from typing import Final
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.output import exit_code
-from beatrix_zenoh.processes import POLL_S, Child, Supervisor, in_words, start_router
+from beatrix_zenoh.processes import POLL_S, PYTHON, Child, Supervisor, in_words, start_router
 from gui.console.link.jobs import Jobs
 from gui.console.state.world import RecordingProgress, Trouble, UsbPort
 
@@ -223,10 +222,13 @@ class Ports:
         self._jobs.put("ports", self._look)
 
     def _look(self) -> None:
-        command = [sys.executable, "-P", "-m", "beatrix_zenoh.cli", "hw", "--ports"]
+        command = [*PYTHON, "beatrix_zenoh.cli", "hw", "--ports"]
         try:
-            found = subprocess.run(command, check=True, capture_output=True, encoding="utf-8", timeout=LIST_S)
-            self.newest = parsed(found.stdout.splitlines())
+            # Its own standard input may be a pipe that another thread reads: on Windows a child would wait for that.
+            output = subprocess.check_output(
+                command, stdin=subprocess.DEVNULL, stderr=subprocess.DEVNULL, encoding="utf-8", timeout=LIST_S
+            )
+            self.newest = parsed(output.splitlines())
         except (OSError, ValueError, subprocess.SubprocessError):
             self.newest = ()
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import subprocess
-import sys
 import threading
 import time
 import webbrowser
@@ -17,6 +16,7 @@ import msgspec
 
 from beatrix_zenoh.client.degrees import reading
 from beatrix_zenoh.contract._generated.messages import Positions
+from beatrix_zenoh.processes import PYTHON
 from gui.console.link.children import folder
 from gui.console.link.connection import Session
 from gui.console.link.jobs import Jobs
@@ -95,7 +95,7 @@ class Filming:
         name = folder("pictures") / f"{robot}-{now:%Y-%m-%d-%H%M%S}"
         texts = {"caption": action.caption, "date": f"{now:%Y-%m-%d}", "titles": action.titles}
         shot = {**texts, "poses": moments}
-        command, pipe = [sys.executable, "-P", "-m", "gui.console.shots", str(name)], subprocess.PIPE
+        command, pipe = [*PYTHON, "gui.console.shots", str(name)], subprocess.PIPE
         with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe) as process:
             self._process = process
             late = threading.Timer(WRITE_S, process.terminate)

@@ -82,7 +82,6 @@ class ProgramRun(Program):
             "BEATRIX_CONNECT": settings.connect,
             "BEATRIX_WHO": settings.who,
             "PYTHONUNBUFFERED": "1",
-            "PYTHONIOENCODING": "utf-8",
             tracebacks.VARIABLE: tracebacks.DATA,
         }
         with contextlib.ExitStack() as scene:
