@@ -2,7 +2,7 @@
 
 MAKEFLAGS += --no-print-directory
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-long coverage check bench bundle model firmware generate docs lock
+.PHONY: help demo test test-long coverage check bench bundle model firmware generate docs platforms lock
 
 BIN := .venv/bin
 FOUND := $(wildcard beatrix_zenoh sim_node hw_node gui)
@@ -41,6 +41,8 @@ check: ## check style, types, layers, contract, links and firmware, without runn
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy $(FOUND) schemas tools tests
+	for system in win32 darwin; do \
+		$(BIN)/mypy --platform $$system --cache-dir .mypy_cache/$$system $(FOUND) || exit 1; done
 	$(BIN)/lint-imports --no-cache
 	$(BIN)/python schemas/generate.py --check
 	$(BIN)/python tools/links.py
@@ -71,6 +73,10 @@ generate: ## write all files that are generated from schemas/*.toml
 docs: generate ## write reference pages and generated tables, and check links between pages
 	$(BIN)/python tools/neck_page.py
 	$(BIN)/python tools/links.py
+
+platforms: ## ask the registry what can be installed on other systems, and write the page about it (needs uv)
+	@$(SETUP) test
+	$(BIN)/python tools/platforms.py
 
 lock: ## choose new versions of all packages that BEATRIX depends on (needs uv)
 	uv pip compile pyproject.toml --all-extras --group pyproject.toml:dev --universal --python-version 3.11 \

@@ -133,6 +133,7 @@ def test_help_lists_every_verb_in_one_line(capsys: pytest.CaptureFixture[str]) -
 OUTPUTS = pytest.mark.parametrize("words", [("--help",), ("look", "--nonsense", "--json")])
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="only Linux has /dev/full")
 @OUTPUTS
 def test_a_full_disk_is_reported_in_one_line(words: tuple[str, ...]) -> None:
     with Path("/dev/full").open("w", encoding="utf-8") as full:
