@@ -49,15 +49,17 @@ CAUSE: Final = re.compile(r"(?:Because|and) ([\w.-]+?)(?:==[\w.]+)? has no (?:us
 
 HEAD: Final = """# Systems
 
-Written by `make platforms` on {day}, with the versions of `constraints.txt`. **Only Linux x86-64 was tested and run.**
-For the others the table says what was checked from there; if you run BEATRIX on one, please report what happens.
+Written by `make platforms` on {day}, with the versions of `constraints.txt`.
+
+**Only Linux x86-64 was tested and run.** For the others the table says what was checked from there; if you run BEATRIX
+on one, please report what happens.
 
 | system | resolved | type-checked | tested | run |
 |---|---|---|---|---|
 {systems}
 
 - *resolved*: a wheel of every package exists for {pythons}.
-  Linux needs glibc 2.28, macOS 14, or newer.
+  They need glibc 2.28 or newer on Linux, and macOS 14 or newer.
 - *type-checked*: `mypy --platform` finds no error in the packages, in the branches that this system takes.
 - *tested*: the tests have passed there, with these Pythons.
 - *run*: a person has used it there.
