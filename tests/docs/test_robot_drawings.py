@@ -1,0 +1,21 @@
+"""The drawings of wiring and parts follow from schemas/robot.toml."""
+
+from __future__ import annotations
+
+from xml.etree import ElementTree
+
+import pytest
+import robot_drawings
+
+from beatrix_zenoh.contract._generated.robot import ROBOT
+
+
+@pytest.mark.parametrize("name", robot_drawings.DRAWINGS)
+def test_a_drawing_is_as_generated(name: str) -> None:
+    drawn = robot_drawings.DRAWINGS[name]()
+    assert (robot_drawings.IMAGES / name).read_text(encoding="utf-8") == drawn, "run tools/robot_drawings.py"
+
+
+def test_the_wiring_names_every_pin() -> None:
+    words = {element.text for element in ElementTree.fromstring(robot_drawings.wiring()).iter()}
+    assert {str(pin) for pin in (*ROBOT.pins.step, *ROBOT.pins.dir, ROBOT.pins.enable)} <= words
