@@ -2,7 +2,7 @@
 
 MAKEFLAGS += --no-print-directory
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-long coverage check bench bundle model firmware generate docs platforms lock
+.PHONY: help demo test test-long coverage check bench bundle model firmware generate docs site platforms lock
 
 BIN := .venv/bin
 FOUND := $(wildcard beatrix_zenoh sim_node hw_node gui)
@@ -72,12 +72,18 @@ generate: ## write all files that are generated from schemas/*.toml
 
 docs: generate ## write reference pages and generated tables, and check links between pages
 	$(BIN)/python tools/neck_page.py
+	$(BIN)/python tools/robot_drawings.py
 	$(BIN)/python tools/links.py
+
+site: ## build the site of docs/ with search and Python reference into build/site, and check its links
+	@$(SETUP) site
+	$(BIN)/sphinx-build --quiet --fail-on-warning --jobs 2 -c tools/website . build/site
+	$(BIN)/python tools/check_site.py build/site
 
 platforms: ## ask the registry what can be installed on other systems, and write the page about it (needs uv)
 	@$(SETUP) test
 	$(BIN)/python tools/platforms.py
 
 lock: ## choose new versions of all packages that BEATRIX depends on (needs uv)
-	uv pip compile pyproject.toml --all-extras --group pyproject.toml:dev --universal --python-version 3.11 \
+	uv pip compile pyproject.toml --all-extras --group pyproject.toml:dev --group pyproject.toml:site --universal --python-version 3.11 \
 		--upgrade --no-header --quiet --output-file constraints.txt

@@ -1,4 +1,4 @@
-"""Make .venv, and install the Debian packages that it or the tests need: `python tools/setup.py demo` or `test`.
+"""Make .venv, and install the Debian packages that it or the tests need: `python tools/setup.py demo`, `test`, `site`.
 
 A stamp file in .venv records the inputs of .venv, so that nothing is done twice. This program needs only Python 3.11.
 """
@@ -20,8 +20,11 @@ ROOT = Path(__file__).resolve().parent.parent
 VENV = ROOT / ".venv"
 PYTHON = VENV / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
 CONSTRAINTS = ROOT / "constraints.txt"
-EXTRAS = {"demo": "cli,hw,sim,rerun,web", "test": "cli,hw,sim,plot,rerun,analyse,mcap,gym,gui,classroom,web"}
-"""By purpose. The demo takes what its first minute needs; `beatrix install` adds the rest when it is wanted."""
+TEST = "cli,hw,sim,plot,rerun,analyse,mcap,gym,gui,classroom,web"
+EXTRAS = {"demo": "cli,hw,sim,rerun,web", "test": TEST, "site": TEST}
+"""By purpose; a .venv of one serves those before it. The demo takes what its first minute needs; `beatrix install` adds
+the rest when it is wanted."""
+GROUPS = {"demo": [], "test": ["dev"], "site": ["dev", "site"]}
 
 
 def run(command: Sequence[str]) -> bool:
@@ -98,10 +101,10 @@ def digest() -> str:
 
 
 def requirements(purpose: str) -> list[str]:
-    """Return the arguments of pip: the constraints and the project, for tests also the group `dev`."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    group: list[str] = project["dependency-groups"]["dev"] if purpose == "test" else []
-    return ["--constraint", str(CONSTRAINTS), "--editable", f".[{EXTRAS[purpose]}]", *group]
+    """Return the arguments of pip: the constraints, the project, and the groups of this purpose."""
+    groups = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["dependency-groups"]
+    packages = [package for group in GROUPS[purpose] for package in groups[group]]
+    return ["--constraint", str(CONSTRAINTS), "--editable", f".[{EXTRAS[purpose]}]", *packages]
 
 
 def empty_venv() -> None:
@@ -129,10 +132,11 @@ def installers() -> Iterator[list[str]]:
 
 
 def make_venv(purpose: str) -> None:
-    """Make .venv unless it exists with the same inputs; a .venv for tests also serves the demo."""
+    """Make .venv unless it exists with the same inputs, for this purpose or a later one of EXTRAS."""
     stamp = VENV / "made-from.json"
     made = json.loads(stamp.read_text(encoding="utf-8")) if stamp.exists() else {}
-    if made.get("digest") == digest() and purpose in (made["purpose"], "demo"):
+    purposes = list(EXTRAS)
+    if made.get("digest") == digest() and purposes.index(purpose) <= purposes.index(made["purpose"]):
         return
     # An existing .venv of this Python is updated, not replaced: running robots may use it.
     fresh = made.get("python") != python()

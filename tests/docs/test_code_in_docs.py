@@ -18,6 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGES = (
     "README.md",
     "docs/tutorial/first-steps.md",
+    "docs/tutorial/first-steps.de.md",
     "docs/how-to/choreographies.md",
     "docs/how-to/simulated-eyes.md",
     "docs/how-to/microphones.md",

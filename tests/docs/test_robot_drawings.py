@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from xml.etree import ElementTree
+from xml.etree import ElementTree as ET
 
 import pytest
 import robot_drawings
@@ -17,5 +17,5 @@ def test_a_drawing_is_as_generated(name: str) -> None:
 
 
 def test_the_wiring_names_every_pin() -> None:
-    words = {element.text for element in ElementTree.fromstring(robot_drawings.wiring()).iter()}
+    words = {element.text for element in ET.fromstring(robot_drawings.wiring()).iter()}
     assert {str(pin) for pin in (*ROBOT.pins.step, *ROBOT.pins.dir, ROBOT.pins.enable)} <= words

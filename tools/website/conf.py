@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import re
 import tomllib
+from operator import attrgetter
 from pathlib import Path
 
 from docutils import nodes
+from pygments.lexers.special import TextLexer
 from sphinx.addnodes import pending_xref
 from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
@@ -16,21 +18,35 @@ from sphinx.util.inspect import signature, stringify_signature
 ROOT = Path(__file__).resolve().parents[2]
 FRONT = "docs/README"
 CHAPTERS = {
-    "Try it": ["tutorial/*", "gallery", "how-to/window", "how-to/web", "how-to/blocks"],
-    "Teach": ["lessons/README", "lessons/*", "how-to/lessons", "how-to/classroom", "how-to/tablets", "how-to/share-a-robot"],
-    "Build": ["how-to/build-the-robot", "how-to/board", "how-to/cameras", "how-to/microphones"],
+    "Try it": ["tutorial/first-steps", "gallery", "how-to/window", "how-to/web", "how-to/blocks"],
+    "Teach": [
+        "lessons/README",
+        "lessons/*",
+        "how-to/lessons",
+        "how-to/classroom",
+        "how-to/tablets",
+        "how-to/share-a-robot",
+    ],
+    "Build": ["how-to/build", "how-to/board", "how-to/cameras", "how-to/microphones"],
     "Mend": ["how-to/what-can-go-wrong", "how-to/no-answer"],
     "How to": ["how-to/README", "how-to/*"],
     "Look up": ["reference/python", "reference/README", "reference/*"],
     "Understand": ["explanation/*", "explanation/decisions/README"],
     "Project": ["/README", "/CONTRIBUTING", "/CHANGELOG", "/SECURITY", "/tests/README"],
-    "Deutsch": ["README.de"],
+    "Deutsch": ["README.de", "tutorial/first-steps.de"],
 }
-"""The chapters of the site and their pages in docs/; a pattern adds those that no line above it has."""
+"""The chapters of the site and their pages in docs/; a pattern adds the pages that are not listed before it."""
 CONSTRUCTED = [f"beatrix_zenoh.{name}" for name in ("Robot", "Twin", "Monitor")]
 API = re.compile(r"<!-- api: (.+?) -->")
-MEMBERS = "   :members:\n   :undoc-members:\n   :inherited-members: Struct, tuple, str\n   :exclude-members: args, add_note, with_traceback\n"
-MESSAGES = "beatrix_zenoh.contract._generated.messages."
+BASES = "Struct, tuple, str, Exception, BaseException, Status, Info, FrameHeader, SoundHeader, Sample"
+"""Classes whose members are described elsewhere: those of Python, and the messages."""
+OPTIONS = f"   :members:\n   :undoc-members:\n   :inherited-members: {BASES}\n"
+GENERATED = "beatrix_zenoh.contract._generated."
+ELSEWHERE = {
+    "messages.Command": "messages#commands",
+    "robot.GeometryData": "robot#geometry",
+    "robot.LimitsData": "robot#limits",
+}
 
 project = "BEATRIX"
 author = "The BEATRIX on Zenoh project"
@@ -40,10 +56,17 @@ html_title = f"BEATRIX {version}"
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 root_doc = FRONT
 include_patterns = ["docs/**", "*.md", "tests/README.md"]
-exclude_patterns = ["build", ".venv", ".git", "docs/explanation/decisions/0000-template.md"]
+exclude_patterns = ["build", ".venv", ".git"]
 myst_heading_anchors = 4  # as GitHub numbers them, so that links work on both
+suppress_warnings = ["toc.not_included"]  # decisions: their own page lists them
 nitpicky = True  # every type of the library in a signature has an entry of its own
-nitpick_ignore_regex = [(r"py:.*", r"(?!beatrix_zenoh\.).*")]
+nitpick_ignore_regex = [
+    (r"py:.*", r"(?!beatrix_zenoh\.).*"),
+    (
+        r"py:.*",
+        r".*\.(T|T_co|MotionT|PreviewT|Client|Faults|TwinReplies|PlanPosition)",
+    ),  # of no use to programs
+]
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
@@ -67,46 +90,62 @@ def complete(app: Sphinx, page: str, source: list[str]) -> None:
     source[0] = API.sub(api, source[0])
     if page == FRONT:
         for title, pages in CHAPTERS.items():
-            source[0] += f"\n```{{toctree}}\n:hidden:\n:glob:\n:caption: {title}\n\n" + "\n".join(pages) + "\n```\n"
-    if page == "docs/explanation/decisions/README":
-        source[0] += "\n```{toctree}\n:hidden:\n:glob:\n\n0*\n```\n"
+            source[0] += (
+                f"\n```{{toctree}}\n:hidden:\n:glob:\n:caption: {title}\n\n" + "\n".join(pages) + "\n```\n"
+            )
 
 
 def api(found: re.Match[str]) -> str:
     """Return the directives that document these names."""
     entries = [
-        f".. autofunction:: {name}" if name.rpartition(".")[2].islower() else f".. autoclass:: {name}\n{MEMBERS}"
+        f".. autofunction:: {name}"
+        if name.rpartition(".")[2].islower()
+        else f".. autoclass:: {name}\n{OPTIONS}"
         for name in found[1].split()
     ]
     return "```{eval-rst}\n" + "\n\n".join(entries) + "\n```"
 
 
-def check_documented(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
+def check_documented(
+    app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]
+) -> None:
     """Warn, and so end `make site` with an error, if a public name has no docstring."""
     if not any(lines):
-        logging.getLogger(__name__).warning("%s has no docstring: say what it does, with units and errors", name)
+        logging.getLogger(__name__).warning(
+            "%s has no docstring: say what it does, with units and errors", name
+        )
+    if lines and lines[0].startswith("Alias for field number"):  # of Python; the class describes its fields
+        lines.clear()
 
 
-def constructor(app: Sphinx, what: str, name: str, thing: object, options: object, text: str, returns: str) -> tuple[str, str] | None:
+def constructor(
+    app: Sphinx, what: str, name: str, thing: object, options: object, text: str, returns: str
+) -> tuple[str, str] | None:
     """Return the arguments of classes that programs construct; other classes come from a call and show none."""
     if what not in ("class", "exception"):
         return None
     if name not in CONSTRUCTED:
         return "", ""
-    return stringify_signature(signature(thing.__init__, bound_method=True), unqualified_typehints=True), ""
+    return stringify_signature(
+        signature(attrgetter("__init__")(thing), bound_method=True), unqualified_typehints=True
+    ), ""
 
 
-def message(app: Sphinx, env: BuildEnvironment, node: pending_xref, shown: nodes.Element) -> nodes.Element | None:
-    """Link a message or a word of the contract to its table on the page of messages."""
-    target = node["reftarget"]
-    if not target.startswith(MESSAGES):
+def message(
+    app: Sphinx, env: BuildEnvironment, node: pending_xref, shown: nodes.Element
+) -> nodes.Element | None:
+    """Link a class that is generated from the contract to its table in the reference."""
+    name = node["reftarget"].removeprefix(GENERATED)
+    if name == node["reftarget"]:
         return None
-    page = app.builder.get_relative_uri(node["refdoc"], "docs/reference/messages")
-    return nodes.reference("", "", shown, internal=True, refuri=f"{page}#{target.removeprefix(MESSAGES).lower()}")
+    page, _, place = ELSEWHERE.get(name, name.lower().replace(".", "#")).partition("#")
+    uri = app.builder.get_relative_uri(node["refdoc"], f"docs/reference/{page}")
+    return nodes.reference("", "", shown, internal=True, refuri=f"{uri}#{place}")
 
 
 def setup(app: Sphinx) -> None:
     """Connect the functions above."""
+    app.add_lexer("csv", TextLexer)
     app.connect("source-read", complete)
     app.connect("autodoc-process-docstring", check_documented)
     app.connect("autodoc-process-signature", constructor)
