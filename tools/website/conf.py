@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Iterator
 from operator import attrgetter
 from pathlib import Path
 
@@ -14,26 +15,36 @@ from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
 from sphinx.util import logging
 from sphinx.util.inspect import signature, stringify_signature
+from sphinx.util.matching import patfilter
 
 ROOT = Path(__file__).resolve().parents[2]
 FRONT = "docs/README"
 CHAPTERS = {
-    "Try it": ["tutorial/first-steps", "gallery", "how-to/window", "how-to/web", "how-to/blocks"],
-    "Teach": [
-        "lessons/README",
-        "lessons/*",
-        "how-to/lessons",
-        "how-to/classroom",
-        "how-to/tablets",
-        "how-to/share-a-robot",
+    "Try it": [
+        "docs/tutorial/first-steps",
+        "docs/gallery",
+        "docs/how-to/window",
+        "docs/how-to/web",
+        "docs/how-to/blocks",
     ],
-    "Build": ["how-to/build", "how-to/board", "how-to/cameras", "how-to/microphones"],
-    "Mend": ["how-to/what-can-go-wrong", "how-to/no-answer"],
-    "How to": ["how-to/README", "how-to/*"],
-    "Look up": ["reference/python", "reference/README", "reference/*"],
-    "Understand": ["explanation/*", "explanation/decisions/README"],
-    "Project": ["/README", "/CONTRIBUTING", "/CHANGELOG", "/SECURITY", "/tests/README"],
-    "Deutsch": ["README.de", "tutorial/first-steps.de"],
+    "Teach": [
+        "docs/lessons/*",
+        "docs/how-to/lessons",
+        "docs/how-to/classroom",
+        "docs/how-to/tablets",
+        "docs/how-to/share-a-robot",
+    ],
+    "Build": ["docs/how-to/build", "docs/how-to/board", "docs/how-to/cameras", "docs/how-to/microphones"],
+    "Mend": ["docs/how-to/what-can-go-wrong", "docs/how-to/no-answer"],
+    "How to": ["docs/how-to/README", "docs/how-to/*"],
+    "Look up": ["docs/reference/README", "docs/reference/python", "docs/reference/*"],
+    "Understand": [
+        "docs/explanation/architecture",
+        "docs/explanation/[!d]*",
+        "docs/explanation/decisions/README",
+    ],
+    "Project": ["README", "CONTRIBUTING", "CHANGELOG", "SECURITY", "tests/README"],
+    "Deutsch": ["docs/README.de", "docs/tutorial/first-steps.de"],
 }
 """The chapters of the site and their pages in docs/; a pattern adds the pages that are not listed before it."""
 CONSTRUCTED = [f"beatrix_zenoh.{name}" for name in ("Robot", "Twin", "Monitor")]
@@ -72,6 +83,7 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_class_signature = "mixed"
 python_use_unqualified_type_names = True
+python_maximum_signature_line_length = 80
 add_module_names = False
 default_role = "code"  # docstrings have Markdown's backticks
 napoleon_numpy_docstring = False
@@ -89,10 +101,17 @@ def complete(app: Sphinx, page: str, source: list[str]) -> None:
     """Add the chapters to the front page, and the documentation of each class to the page that names it."""
     source[0] = API.sub(api, source[0])
     if page == FRONT:
-        for title, pages in CHAPTERS.items():
-            source[0] += (
-                f"\n```{{toctree}}\n:hidden:\n:glob:\n:caption: {title}\n\n" + "\n".join(pages) + "\n```\n"
-            )
+        source[0] += "".join(chapters(app))
+
+
+def chapters(app: Sphinx) -> Iterator[str]:
+    """Yield the directive of each chapter; a page is in the first chapter that has it."""
+    listed = {FRONT}
+    for title, patterns in CHAPTERS.items():
+        found = [page for pattern in patterns for page in patfilter(sorted(app.env.found_docs), pattern)]
+        pages = [page for page in dict.fromkeys(found) if page not in listed]
+        listed.update(pages)
+        yield f"\n```{{toctree}}\n:hidden:\n:caption: {title}\n\n/" + "\n/".join(pages) + "\n```\n"
 
 
 def api(found: re.Match[str]) -> str:
@@ -143,10 +162,17 @@ def message(
     return nodes.reference("", "", shown, internal=True, refuri=f"{uri}#{place}")
 
 
+def speak(app: Sphinx, page: str, template: str, context: dict[str, object], doctree: object) -> None:
+    """Name the language of German pages, for screen readers and hyphenation."""
+    if page.endswith(".de"):
+        context["language"] = "de"
+
+
 def setup(app: Sphinx) -> None:
     """Connect the functions above."""
     app.add_lexer("csv", TextLexer)
     app.connect("source-read", complete)
     app.connect("autodoc-process-docstring", check_documented)
     app.connect("autodoc-process-signature", constructor)
+    app.connect("html-page-context", speak)
     app.connect("missing-reference", message)
