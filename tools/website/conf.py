@@ -13,6 +13,7 @@ from pygments.lexers.special import TextLexer
 from sphinx.addnodes import pending_xref
 from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
+from sphinx.ext.napoleon import Config, GoogleDocstring
 from sphinx.util import logging
 from sphinx.util.inspect import signature, stringify_signature
 from sphinx.util.matching import patfilter
@@ -48,7 +49,7 @@ CHAPTERS = {
 }
 """The chapters of the site and their pages in docs/; a pattern adds the pages that are not listed before it."""
 CONSTRUCTED = [f"beatrix_zenoh.{name}" for name in ("Robot", "Twin", "Monitor")]
-API = re.compile(r"<!-- api: (.+?) -->")
+API = re.compile(r"^<!-- api: (.+?) -->$", re.MULTILINE)
 BASES = "Struct, tuple, str, Exception, BaseException, Status, Info, FrameHeader, SoundHeader, Sample"
 """Classes whose members are described elsewhere: those of Python, and the messages."""
 OPTIONS = f"   :members:\n   :undoc-members:\n   :inherited-members: {BASES}\n"
@@ -64,7 +65,7 @@ author = "The BEATRIX on Zenoh project"
 version = release = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
 html_title = f"BEATRIX {version}"
 
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+extensions = ["myst_parser", "sphinx.ext.autodoc"]
 root_doc = FRONT
 include_patterns = ["docs/**", "*.md", "tests/README.md"]
 exclude_patterns = ["build", ".venv", ".git"]
@@ -86,7 +87,6 @@ python_use_unqualified_type_names = True
 python_maximum_signature_line_length = 80
 add_module_names = False
 default_role = "code"  # docstrings have Markdown's backticks
-napoleon_numpy_docstring = False
 
 html_theme = "furo"
 html_static_path = ["static"]
@@ -125,16 +125,16 @@ def api(found: re.Match[str]) -> str:
     return "```{eval-rst}\n" + "\n\n".join(entries) + "\n```"
 
 
-def check_documented(
-    app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]
-) -> None:
-    """Warn, and so end `make site` with an error, if a public name has no docstring."""
+def docstring(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
+    """Convert the sections of a docstring; warn, and so end `make site` with an error, if there is no docstring."""
     if not any(lines):
         logging.getLogger(__name__).warning(
             "%s has no docstring: say what it does, with units and errors", name
         )
-    if lines and lines[0].startswith("Alias for field number"):  # of Python; the class describes its fields
+    elif lines[0].startswith("Alias for field number"):  # of Python; the class describes its fields
         lines.clear()
+    elif what not in ("attribute", "property"):  # napoleon takes what is before a colon in them for a type
+        lines[:] = GoogleDocstring(lines, Config(), app, what, name, thing).lines()
 
 
 def constructor(
@@ -146,7 +146,9 @@ def constructor(
     if name not in CONSTRUCTED:
         return "", ""
     return stringify_signature(
-        signature(attrgetter("__init__")(thing), bound_method=True), unqualified_typehints=True
+        signature(attrgetter("__init__")(thing), bound_method=True),
+        unqualified_typehints=True,
+        show_return_annotation=False,
     ), ""
 
 
@@ -172,7 +174,7 @@ def setup(app: Sphinx) -> None:
     """Connect the functions above."""
     app.add_lexer("csv", TextLexer)
     app.connect("source-read", complete)
-    app.connect("autodoc-process-docstring", check_documented)
+    app.connect("autodoc-process-docstring", docstring)
     app.connect("autodoc-process-signature", constructor)
     app.connect("html-page-context", speak)
     app.connect("missing-reference", message)
