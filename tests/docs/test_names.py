@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+import beatrix_zenoh
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.recording.verbs import comparison_text
 
@@ -55,6 +56,12 @@ def test_threads_of_a_node_have_the_names_of_the_table() -> None:
     missing = {name for name in named if not any(name.startswith(start) for start in started)}
     assert len(named) > 10
     assert missing == set()
+
+
+def test_the_python_reference_has_every_public_name() -> None:
+    text = (ROOT / "docs/reference/python.md").read_text(encoding="utf-8")
+    listed = {name for row in re.findall(r"^<!-- api: (.+) -->$", text, re.MULTILINE) for name in row.split()}
+    assert {f"beatrix_zenoh.{name}" for name in beatrix_zenoh.__all__} - listed == set()
 
 
 def test_unreleased_changes_are_one_line_each() -> None:

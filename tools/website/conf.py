@@ -92,6 +92,7 @@ html_theme = "furo"
 html_static_path = ["static"]
 html_extra_path = ["index.html"]
 html_css_files = ["site.css"]
+html_search_scorer = str(Path(__file__).with_name("scorer.js"))
 html_copy_source = False
 html_show_sphinx = False
 html_theme_options = {"navigation_with_keys": True}
