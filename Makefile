@@ -77,6 +77,7 @@ docs: generate ## write reference pages and generated tables, and check links be
 
 site: ## build the site of docs/ with search and Python reference into build/site, and check its links
 	@$(SETUP) site
+	rm -rf build/site
 	$(BIN)/sphinx-build --quiet --fail-on-warning --jobs 2 -c tools/website . build/site
 	$(BIN)/python tools/check_site.py build/site
 

@@ -61,7 +61,6 @@ ELSEWHERE = {
 }
 
 project = "BEATRIX"
-author = "The BEATRIX on Zenoh project"
 version = release = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
 html_title = f"BEATRIX {version}"
 
@@ -94,6 +93,7 @@ html_extra_path = ["index.html"]
 html_css_files = ["site.css"]
 html_search_scorer = str(Path(__file__).with_name("scorer.js"))
 html_copy_source = False
+html_show_copyright = False
 html_show_sphinx = False
 html_theme_options = {"navigation_with_keys": True}
 

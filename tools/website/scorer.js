@@ -1,5 +1,6 @@
-// Sphinx's scores of matches, but decisions last: most readers search for what to do.
-const Scorer = {
+// Sphinx's scores of matches, but decisions last and how-to pages before others: most readers search for what to do.
+// `var`, because Sphinx declares it, too.
+var Scorer = {
   objNameMatch: 11,
   objPartialMatch: 6,
   objPrio: { 0: 15, 1: 5, 2: -5 },
@@ -8,5 +9,6 @@ const Scorer = {
   partialTitle: 7,
   term: 5,
   partialTerm: 2,
-  score: ([page, title, anchor, description, score]) => (page.includes("/decisions/") ? score - 20 : score),
+  score: ([page, title, anchor, description, score]) =>
+    score + (page.includes("/decisions/") ? -20 : page.includes("/how-to/") ? 3 : 0),
 };
