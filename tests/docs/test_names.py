@@ -9,6 +9,7 @@ import pytest
 
 import beatrix_zenoh
 from beatrix_zenoh.contract._generated import keys
+from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.recording.verbs import comparison_text
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -62,6 +63,12 @@ def test_the_python_reference_has_every_public_name() -> None:
     text = (ROOT / "docs/reference/python.md").read_text(encoding="utf-8")
     listed = {name for row in re.findall(r"^<!-- api: (.+) -->$", text, re.MULTILINE) for name in row.split()}
     assert {f"beatrix_zenoh.{name}" for name in beatrix_zenoh.__all__} - listed == set()
+
+
+def test_each_reason_has_a_cure() -> None:
+    pages = [ROOT / "docs/how-to" / name for name in ("what-can-go-wrong.md", "no-answer.md")]
+    text = " ".join(page.read_text(encoding="utf-8") for page in pages)
+    assert [reason for reason in Reason if f"`{reason}`" not in text] == [Reason.OK]
 
 
 def test_unreleased_changes_are_one_line_each() -> None:
