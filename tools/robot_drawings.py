@@ -62,6 +62,12 @@ def wiring() -> str:
         text(52, 168, "beatrix hw"),
     ]
     parts += [
+        box(30, 270, (130, 64), "#eceff1"),
+        text(44, 298, "Two cameras", BOLD),
+        text(44, 319, "in the skull"),
+    ]
+    parts += [line([(90, 270), (90, 190)], GREY, 6), text(102, 236, "USB")]
+    parts += [
         box(230, 60, (130, 480), "#d7ebee"),
         text(250, 90, "Arduino", BOLD),
         text(250, 110, "Mega 2560", BOLD),
