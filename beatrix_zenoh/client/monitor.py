@@ -185,7 +185,7 @@ class RobotRecord:
 
 
 class Monitor(ProcessBound, Closable):
-    """All robots of a router, live; read their states with `robots` and `robot`::
+    """All robots of a router, live; read their states with `robots` and `robot`.
 
         with Robot("bea1") as robot, Monitor(robot.client) as monitor:
             monitor.settle()  # until the first status of each robot has arrived

@@ -96,7 +96,7 @@ def message(kind: type[M], convert: Callable[[M], T]) -> Reader[T]:
 
 
 class Subscription(ProcessBound, Closable, Suggesting, Generic[T]):
-    """Publications of one key: iterate over them, call `next`, or read `latest`::
+    """Publications of one key: iterate over them, call `next`, or read `latest`.
 
         with robot.stream() as readings:
             for reading in readings:

@@ -50,6 +50,8 @@ CHAPTERS = {
 """The chapters of the site and their pages in docs/; a pattern adds the pages that are not listed before it."""
 CONSTRUCTED = [f"beatrix_zenoh.{name}" for name in ("Robot", "Twin", "Monitor")]
 API = re.compile(r"^<!-- api: (.+?) -->$", re.MULTILINE)
+EXAMPLE = re.compile(r"^(\S.*)\n\n(?= {4}\S)", re.MULTILINE)
+"""The paragraph before an indented program, which reStructuredText would take for a quotation."""
 BASES = "Struct, tuple, str, Exception, BaseException, Status, Info, FrameHeader, SoundHeader, Sample"
 """Classes whose members are described elsewhere: those of Python, and the messages."""
 OPTIONS = f"   :members:\n   :undoc-members:\n   :inherited-members: {BASES}\n"
@@ -135,7 +137,8 @@ def docstring(app: Sphinx, what: str, name: str, thing: object, options: object,
     elif lines[0].startswith("Alias for field number"):  # of Python; the class describes its fields
         lines.clear()
     elif what not in ("attribute", "property"):  # napoleon takes what is before a colon in them for a type
-        lines[:] = GoogleDocstring(lines, Config(), app, what, name, thing).lines()
+        text = EXAMPLE.sub(r"\1\n\n::\n\n", "\n".join(lines))
+        lines[:] = GoogleDocstring(text.splitlines(), Config(), app, what, name, thing).lines()
 
 
 def constructor(
