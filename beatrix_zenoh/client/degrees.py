@@ -81,7 +81,7 @@ class Reading(Suggesting):
     arms: ArmAngles
     velocity: ArmAngles
     commanded: ArmAngles
-    """where the firmware wants the arms at this time"""
+    """the set point of the firmware"""
     head: HeadAngles
 
     def __str__(self) -> str:
