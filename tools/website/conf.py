@@ -9,7 +9,6 @@ from operator import attrgetter
 from pathlib import Path
 
 from docutils import nodes
-from pygments.lexers.special import TextLexer
 from sphinx.addnodes import pending_xref
 from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
@@ -71,7 +70,10 @@ root_doc = FRONT
 include_patterns = ["docs/**", "*.md", "tests/README.md"]
 exclude_patterns = ["build", ".venv", ".git"]
 myst_heading_anchors = 4  # as GitHub numbers them, so that links work on both
-suppress_warnings = ["toc.not_included"]  # decisions: their own page lists them
+suppress_warnings = [
+    "toc.not_included",  # decisions: their own page lists them
+    "misc.highlighting_failure",  # a language without colours, such as csv
+]
 nitpicky = True  # every type of the library in a signature has an entry of its own
 nitpick_ignore_regex = [
     (r"py:.*", r"(?!beatrix_zenoh\.).*"),
@@ -176,7 +178,6 @@ def speak(app: Sphinx, page: str, template: str, context: dict[str, object], doc
 
 def setup(app: Sphinx) -> None:
     """Connect the functions above."""
-    app.add_lexer("csv", TextLexer)
     app.connect("source-read", complete)
     app.connect("autodoc-process-docstring", docstring)
     app.connect("autodoc-process-signature", constructor)
