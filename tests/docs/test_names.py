@@ -71,9 +71,9 @@ def test_each_reason_has_a_cure() -> None:
     assert [reason for reason in Reason if f"`{reason}`" not in text] == [Reason.OK]
 
 
-def test_unreleased_changes_are_one_line_each() -> None:
-    unreleased = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").split("\n## ")[1]
-    lines = unreleased.splitlines()[1:]
+def test_changes_of_the_newest_version_are_one_line_each() -> None:
+    newest = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").split("\n## ")[1]
+    lines = newest.splitlines()[1:]
     assert [line for line in lines if len(line) > 200 or not re.match(r"- |### |$", line)] == []
 
 
