@@ -16,6 +16,7 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Iterator, Sequence
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 from typing import Final
@@ -113,23 +114,28 @@ def own_requirements(extras: Sequence[str]) -> Iterator[Requirement]:
             yield requirement
 
 
+@cache
+def needs_of(name: str) -> list[Requirement]:
+    """Return what an installed package needs; nothing if it is not installed here, so needed only on other platforms."""
+    try:
+        return [Requirement(need) for need in metadata.requires(name) or []]
+    except metadata.PackageNotFoundError:
+        return []
+
+
 def names_of(requirements: Sequence[Requirement], values: dict[str, str]) -> set[str]:
     """Return the names of all required packages on a platform, from the metadata of the packages installed here."""
-    names: set[str] = set()
+    seen: set[tuple[str, frozenset[str]]] = set()
     waiting = [requirement for requirement in requirements if applies(requirement, values)]
     while waiting:
         requirement = waiting.pop()
-        name = canonicalize_name(requirement.name)
-        if name in names:
+        found = canonicalize_name(requirement.name), frozenset(requirement.extras)
+        if found in seen:
             continue
-        names.add(name)
-        try:
-            needs = metadata.requires(name) or []
-        except metadata.PackageNotFoundError:  # not installed here, so needed only on that platform
-            continue
+        seen.add(found)
         extras = ["", *requirement.extras]
-        waiting += [need for need in map(Requirement, needs) if applies(need, values, extras)]
-    return names
+        waiting += [need for need in needs_of(requirement.name) if applies(need, values, extras)]
+    return {name for name, _ in seen}
 
 
 def pins(values: dict[str, str]) -> dict[str, str]:

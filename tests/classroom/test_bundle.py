@@ -36,5 +36,5 @@ def test_a_bundle_installs_and_runs_without_network(tmp_path: Path) -> None:
 def test_the_packages_for_windows_are_pinned() -> None:
     values = bundle.environment("windows-x86_64", "3.12")
     names = bundle.names_of(list(bundle.own_requirements(["all"])), values)
-    assert {"opencv-python-headless", "mujoco", "pyqt5", "rerun-sdk", "colorama"} <= names
+    assert {"opencv-python-headless", "mujoco", "pyqt5", "rerun-sdk", "colorama", "pandas"} <= names
     assert names <= bundle.pins(values).keys()
