@@ -2,7 +2,7 @@
 
 MAKEFLAGS += --no-print-directory
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-long coverage check bench bundle model firmware generate docs site platforms lock
+.PHONY: help demo test test-long coverage check bench bundle release model firmware generate docs site platforms lock
 
 BIN := .venv/bin
 FOUND := $(wildcard beatrix_zenoh sim_node hw_node gui)
@@ -55,6 +55,11 @@ bench: ## measure the figures of the design on this computer
 bundle: ## write one archive for a room without network (BUNDLE="--platform windows-x86_64 --python 3.12 --extras cli,gui")
 	@$(SETUP) test
 	$(BIN)/python tools/bundle.py $(BUNDLE)
+
+release: ## build wheel, sdist and bill of materials into build/release, and check them
+	@$(SETUP) test
+	$(BIN)/beatrix install all
+	$(BIN)/python tools/release.py
 
 model: ## write the robot as MJCF and URDF for other programs, into build/robot
 	@$(SETUP) test

@@ -1,7 +1,7 @@
 """Licences of all packages that BEATRIX may bring, by extra: `python tools/licences.py` writes docs/reference/licences.md.
 
-It reads the metadata of the installed packages, so first type `beatrix install all`. --sbom FILE writes a bill of
-materials instead (CycloneDX 1.6), with the versions installed here.
+It reads the metadata of the installed packages, so first type `beatrix install all`. --check only compares;
+--sbom FILE writes a bill of materials (CycloneDX 1.6) instead, with the versions installed here.
 """
 
 from __future__ import annotations
@@ -141,6 +141,9 @@ def main() -> None:
     found = list(packages())
     if sys.argv[1:2] == ["--sbom"]:
         Path(sys.argv[2]).write_text(json.dumps(sbom(found), indent=1) + "\n", encoding="utf-8")
+    elif sys.argv[1:2] == ["--check"]:
+        if PAGE.read_text(encoding="utf-8") != page(found):
+            sys.exit(f"{PAGE.relative_to(ROOT)} is old: run `python tools/licences.py`, and commit it.")
     else:
         PAGE.write_text(page(found), encoding="utf-8")
 

@@ -6,12 +6,12 @@ import ast
 import re
 import subprocess
 import sys
-import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
 import house
 import pytest
+import release
 
 pytestmark = pytest.mark.no_cover  # it executes no code that coverage measures
 
@@ -109,27 +109,13 @@ def test_the_constraints_contain_no_urls() -> None:
     assert " @ " not in text
 
 
-@pytest.fixture(scope="module")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> set[str]:
-    """Names of the files in a new wheel, without its metadata."""
-    folder = tmp_path_factory.mktemp("wheel")
-    command = [sys.executable, "-m", "hatchling", "build", "-t", "wheel", "-d", str(folder)]
-    result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    assert result.returncode == 0, result.stdout + result.stderr
-    (path,) = folder.glob("*.whl")
-    return {name for name in zipfile.ZipFile(path).namelist() if ".dist-info/" not in name}
-
-
-def test_the_wheel_has_our_top_level_names_only(wheel: set[str]) -> None:
-    assert {name.split("/")[0] for name in wheel} == {
-        name for name in house.PACKAGES if (ROOT / name).is_dir()
-    }
-
-
-def test_the_wheel_contains_every_file_of_its_packages(wheel: set[str]) -> None:
+def test_the_wheel_contains_every_file_of_its_packages_and_no_others(tmp_path: Path) -> None:
+    release.build("wheel", tmp_path)
+    (wheel,) = tmp_path.glob("*.whl")
     files = (path for name in house.PACKAGES for path in (ROOT / name).rglob("*") if path.is_file())
     wanted = {path.relative_to(ROOT).as_posix() for path in files if path.suffix != ".pyc"}
-    assert wanted - wheel == set()
+    assert wanted - release.contents(wheel).keys() == set()
+    assert list(release.wheel_faults(wheel)) == []
 
 
 def test_modules_do_not_import_each_other_in_a_circle() -> None:
