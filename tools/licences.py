@@ -103,37 +103,45 @@ def packages() -> Iterator[Package]:
             )
 
 
+def scripts() -> list[tuple[str, str]]:
+    """Return names and versions of the packages for browsers that are in the wheel of BEATRIX; all are Apache-2.0."""
+    folders = [path.parent.name for path in sorted(ROOT.glob("gui/page/static/vendor/*/LICENSE"))]
+    return [(name, version) for name, _, version in (folder.rpartition("-") for folder in folders)]
+
+
 def page(found: list[Package]) -> str:
     """Return the page."""
     gpl = sorted({extra for one in found if one.gpl for extra in one.extras})
     rows = [f"| {one.name} | {one.licence} | {', '.join(one.extras) or EVERY} |" for one in found]
-    scripts = sorted(ROOT.glob("gui/page/static/vendor/*/LICENSE"))
-    rows += [f"| {path.parent.name} | Apache-2.0 | `web`; in the wheel of BEATRIX |" for path in scripts]
+    rows += [f"| {name} | Apache-2.0 | web; it is in the wheel of BEATRIX |" for name, _ in scripts()]
     return HEAD.format(gpl=" and ".join(f"`{name}`" for name in gpl)) + "\n".join(rows) + "\n"
+
+
+def component(source: str, name: str, version: str, licence: str, extras: str = "") -> dict[str, object]:
+    """Return a component of a bill of materials; `source` is the kind of the package index, pypi or npm."""
+    purl = f"pkg:{source}/{name}@{version}"
+    return {
+        "type": "application" if name == PROJECT else "library",
+        "bom-ref": purl,
+        "name": name,
+        "version": version,
+        "purl": purl,
+        "licenses": [{"license": {"name": licence}}],
+        "properties": [{"name": "beatrix:extras", "value": extras}],
+    }
 
 
 def sbom(found: list[Package]) -> dict[str, object]:
     """Return a bill of materials in the form of CycloneDX 1.6."""
-
-    def component(kind: str, name: str, version: str, licence: str, extras: str) -> dict[str, object]:
-        purl = f"pkg:pypi/{name}@{version}"
-        return {
-            "type": kind,
-            "bom-ref": purl,
-            "name": name,
-            "version": version,
-            "purl": purl,
-            "licenses": [{"license": {"name": licence}}],
-            "properties": [{"name": "beatrix:extras", "value": extras}],
-        }
-
-    version = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    parts = [component("pypi", *one[:3], ",".join(one.extras)) for one in found]
+    parts += [component("npm", name, version, "Apache-2.0", "web") for name, version in scripts()]
     return {
         "bomFormat": "CycloneDX",
         "specVersion": "1.6",
         "version": 1,
-        "metadata": {"component": component("application", PROJECT, version, "Apache-2.0", "")},
-        "components": [component("library", *one[:3], ",".join(one.extras)) for one in found],
+        "metadata": {"component": component("pypi", PROJECT, project["version"], "Apache-2.0")},
+        "components": parts,
     }
 
 
