@@ -2,7 +2,7 @@
 
 MAKEFLAGS += --no-print-directory
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-long coverage check bench bundle release model firmware generate docs site platforms lock
+.PHONY: help demo test test-long coverage check bench figures bundle release model firmware generate docs site platforms lock
 
 BIN := .venv/bin
 FOUND := $(wildcard beatrix_zenoh sim_node hw_node gui)
@@ -51,6 +51,10 @@ check: ## check style, types, layers, contract, links and firmware, without runn
 bench: ## measure the figures of the design on this computer
 	@$(SETUP) test
 	$(BIN)/python tools/bench.py
+
+figures: ## measure them, and write docs/reference/figures.md
+	@$(SETUP) test
+	$(BIN)/python tools/figures.py
 
 bundle: ## write one archive for a room without network (BUNDLE="--platform windows-x86_64 --python 3.12 --extras cli,gui")
 	@$(SETUP) test

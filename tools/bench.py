@@ -17,6 +17,23 @@ from rich.table import Table
 FLOOR = "0.04 on the reference computer"
 """Shown instead of a requirement. A latency over Zenoh contains about thirty thread switches: if the floor is twice as
 high, the latency is, too."""
+OTHERS = (
+    "bench_eyes.py",
+    "bench_ears.py",
+    "bench_kinematics.py",
+    "bench_plant.py",
+    "bench_poses.py",
+    "bench_mega.py",
+    "bench_following.py",
+    "bench_twin.py",
+    "bench_window.py",
+    "bench_head3d.py",
+    "bench_classroom.py",
+    "bench_many.py 30",
+    "bench_pages.py 0 30",
+    "bench_pages.py class",
+)
+"""Benchmarks that are programs of their own, with their arguments."""
 ECHO = """
 import socket
 server = socket.create_server(("127.0.0.1", 0))
@@ -70,9 +87,8 @@ def show(console: Console, figures: list[Row]) -> None:
     console.print(table)
 
 
-def main() -> None:
-    """Measure nodes, cameras and the recorder, then run the other benchmarks."""
-    console = Console(width=130)
+def over_zenoh() -> list[Row]:
+    """Measure nodes, cameras and the recorder at a router of their own."""
     endpoint = free_endpoint()
     router = Served("beatrix_zenoh.cli", "router", "--listen", endpoint)
     began = stolen_time()
@@ -87,23 +103,14 @@ def main() -> None:
         router.end()
     stolen = f"{stolen_share(began):.1%}"
     figures.insert(1, ("processor time that the host gave to other virtual machines", stolen, "0"))
-    show(console, figures)
-    for script in (
-        "bench_eyes.py",
-        "bench_ears.py",
-        "bench_kinematics.py",
-        "bench_plant.py",
-        "bench_poses.py",
-        "bench_mega.py",
-        "bench_following.py",
-        "bench_twin.py",
-        "bench_window.py",
-        "bench_head3d.py",
-        "bench_classroom.py",
-        "bench_many.py 30",
-        "bench_pages.py 0 30",
-        "bench_pages.py class",
-    ):
+    return figures
+
+
+def main() -> None:
+    """Measure over Zenoh, then run the other benchmarks."""
+    console = Console(width=130)
+    show(console, over_zenoh())
+    for script in OTHERS:
         console.print(f"\n{script}")
         program, *words = script.split()
         subprocess.run([sys.executable, str(ROOT / "tools" / program), *words], check=True)
