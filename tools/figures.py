@@ -93,7 +93,7 @@ def section(script: str) -> str:
     except subprocess.TimeoutExpired:
         text = f"It had not ended after {LONGEST_S:.0f} s."
     text = re.sub(r"\x1b\[[\d;]*m", "", text)
-    return f"\n## {script}\n\n{about}\n\n```text\n{text}\n```\n\nTook {time.monotonic() - began:.0f} s.\n"
+    return f"\n## {script}\n\n{about}\n\n```\n{text}\n```\n\nTook {time.monotonic() - began:.0f} s.\n"
 
 
 def main() -> None:
