@@ -6,6 +6,7 @@ import re
 
 import licences
 import pytest
+from robots import ROOT
 
 pytestmark = pytest.mark.no_cover  # it runs only code of tools/
 
@@ -18,7 +19,7 @@ def test_the_page_names_each_package_that_an_extra_needs() -> None:
 
 
 def test_packages_under_the_gpl_are_in_extras_that_say_so() -> None:
-    text = (licences.ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     found = {
         extra
         for name, licence, extras in ROWS
