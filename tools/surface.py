@@ -82,7 +82,7 @@ def members(name: str, kind: type) -> Iterator[str]:
     ]
     yield f"class {name}({', '.join(base.__name__ for base in bases)})"
     if name in CONSTRUCTED:
-        yield from parameters(name, vars(owner(kind, "__init__"))["__init__"])
+        yield from parameters(name, kind)
     if issubclass(kind, enum.Enum):
         yield from (f"{name}.{word}" for word in kind.__members__)
         return
