@@ -2,7 +2,7 @@
 
 MAKEFLAGS += --no-print-directory
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-long coverage check bench figures bundle release model firmware generate docs site platforms lock
+.PHONY: help demo test test-long coverage check bench figures soak bundle release model firmware generate docs site platforms lock
 
 BIN := .venv/bin
 FOUND := $(wildcard beatrix_zenoh sim_node hw_node gui)
@@ -55,6 +55,10 @@ bench: ## measure the figures of the design on this computer
 figures: ## measure them, and write docs/reference/figures.md
 	@$(SETUP) test
 	$(BIN)/python tools/figures.py
+
+soak: ## run everything for HOURS (2), and write what grows or is lost into docs/reference/soak.md
+	@$(SETUP) test
+	$(BIN)/python tools/soak.py --hours $(or $(HOURS),2) --page docs/reference/soak.md
 
 bundle: ## write one archive for a room without network (BUNDLE="--platform windows-x86_64 --python 3.12 --extras cli,gui")
 	@$(SETUP) test

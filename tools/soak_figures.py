@@ -1,0 +1,209 @@
+"""What `tools/soak.py` measures: memory, descriptors, threads and processor time of processes, and the page with them."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import platform
+import sys
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from itertools import pairwise
+from pathlib import Path
+from statistics import median, median_high
+from typing import Final
+
+from bench_node import ROOT, cpu_s
+
+sys.path.append(str(ROOT / "tests/support"))
+from robots import children
+
+WINDOW_S: Final = 300.0
+"""Length of the two windows that are compared: the second five minutes, and the last five."""
+GROWTH: Final = 0.03
+"""Largest share by which the memory of a process may grow; below NOISE_MIB nothing counts as growth."""
+NOISE_MIB: Final = 2.0
+MORE: Final = 2
+"""Descriptors and threads that a process may have in addition: some come and go."""
+
+
+@dataclass(frozen=True)
+class Look:
+    """A process at one time."""
+
+    at_s: float
+    """time since the start of the soak"""
+    rss_mib: float
+    """resident memory"""
+    own_mib: float
+    """the part of it that belongs to no file: what leaks"""
+    descriptors: int
+    threads: int
+    cpu_s: float
+    pid: int
+
+
+def look(pid: int, at_s: float) -> Look | None:
+    """Look at a process; return None if it has ended."""
+    with contextlib.suppress(OSError):
+        kib: dict[str, int] = {}
+        for line in Path(f"/proc/{pid}/status").read_text(encoding="utf-8").splitlines():
+            name, _, value = line.partition(":")
+            if name in {"VmRSS", "RssAnon", "Threads"}:
+                kib[name] = int(value.split()[0])
+        if "VmRSS" not in kib:  # it has ended, and its parent has not yet read its exit code
+            return None
+        descriptors = len(list(Path(f"/proc/{pid}/fd").iterdir()))
+        return Look(
+            at_s, kib["VmRSS"] / 1024, kib["RssAnon"] / 1024, descriptors, kib["Threads"], cpu_s(pid), pid
+        )
+    return None
+
+
+def title(command: str) -> str:
+    """Return a short name of a child process: the last part of its module."""
+    words = command.split()
+    module = words[words.index("-m") + 1] if "-m" in words else Path(words[0]).name if words else "child"
+    return module.rpartition(".")[2]
+
+
+@dataclass
+class Book:
+    """All looks at all processes, by the names of the processes."""
+
+    looks: dict[str, list[Look]] = field(default_factory=dict)
+
+    def write(self, pids: dict[str, int], at_s: float) -> None:
+        """Look at these processes and their children."""
+        for name, pid in pids.items():
+            found = [(name, pid)]
+            counts: Counter[str] = Counter()
+            for child, command in sorted(children(pid).items()) if name != "programs" else ():
+                counts[title(command)] += 1
+                number = f" {counts[title(command)]}" if counts[title(command)] > 1 else ""
+                found.append((f"{name}: {title(command)}{number}", child))
+            for called, one in found:
+                if (seen := look(one, at_s)) is not None:
+                    self.looks.setdefault(called, []).append(seen)
+
+    def rows(self, total_s: float) -> Iterator[Row]:
+        """Yield the comparison of each process that lived in both windows."""
+        window_s = min(WINDOW_S, total_s / 6)
+        for name, looks in self.looks.items():
+            first = [one for one in looks if window_s <= one.at_s <= 2 * window_s]
+            last = [one for one in looks if one.at_s >= total_s - window_s]
+            if first and last:
+                yield Row.of(name, first, last)
+
+
+@dataclass(frozen=True)
+class Row:
+    """A process in the first window and in the last."""
+
+    name: str
+    rss_mib: tuple[float, float]
+    own_mib: tuple[float, float]
+    descriptors: tuple[int, int]
+    threads: tuple[int, int]
+    cpu: float
+    """share of a core in the last window"""
+
+    @classmethod
+    def of(cls, name: str, first: list[Look], last: list[Look]) -> Row:
+        """Compare medians of memory and of the numbers."""
+        pairs = [(early, late) for early, late in pairwise(last) if early.pid == late.pid]
+        lasted_s = sum(late.at_s - early.at_s for early, late in pairs)
+        return cls(
+            name,
+            (median(one.rss_mib for one in first), median(one.rss_mib for one in last)),
+            (median(one.own_mib for one in first), median(one.own_mib for one in last)),
+            (median_high(one.descriptors for one in first), median_high(one.descriptors for one in last)),
+            (median_high(one.threads for one in first), median_high(one.threads for one in last)),
+            sum(late.cpu_s - early.cpu_s for early, late in pairs) / lasted_s if pairs else 0.0,
+        )
+
+    @property
+    def growth(self) -> float:
+        """Growth of the resident memory as a share."""
+        return self.rss_mib[1] / self.rss_mib[0] - 1
+
+    def faults(self) -> list[str]:
+        """Return what grows, as sentences."""
+        found = []
+        if self.growth > GROWTH and self.rss_mib[1] - self.rss_mib[0] > NOISE_MIB:
+            found.append(f"{self.name}: memory grows by {self.growth:.1%}")
+        found += [
+            f"{self.name}: {what} grow from {before} to {after}"
+            for what, (before, after) in (("descriptors", self.descriptors), ("threads", self.threads))
+            if after > before + MORE
+        ]
+        return found
+
+    def cells(self) -> tuple[str, ...]:
+        """Return the row as text."""
+        return (
+            self.name,
+            " → ".join(f"{one:.1f}" for one in self.rss_mib),
+            f"{self.growth:+.1%}",
+            " → ".join(f"{one:.1f}" for one in self.own_mib),
+            " → ".join(map(str, self.descriptors)),
+            " → ".join(map(str, self.threads)),
+            f"{self.cpu:.0%}",
+        )
+
+
+HEADS: Final = (
+    "process",
+    "memory [MiB]",
+    "growth",
+    "of no file [MiB]",
+    "descriptors",
+    "threads",
+    "of a core",
+)
+
+
+def table(heads: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
+    """Return a table in Markdown."""
+    lines = [heads, tuple("---" for _ in heads), *rows]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
+
+
+def machine() -> str:
+    """Return processor, cores, memory, system and versions of this computer as a sentence."""
+    text = Path("/proc/cpuinfo").read_text(encoding="utf-8")
+    names = [line.partition(":")[2].strip() for line in text.splitlines() if line.startswith("model name")]
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30
+    processor = names[0] if names else platform.machine()
+    return (
+        f"{processor}, {os.cpu_count()} cores, {memory:.0f} GiB, {platform.system()} {platform.release()}, "
+        f"Python {platform.python_version()}, {datetime.now(UTC):%Y-%m-%d}"
+    )
+
+
+def page(
+    rows: list[Row],
+    others: Iterable[tuple[tuple[str, ...], list[tuple[str, ...]]]],
+    faults: list[str],
+    hours: float,
+) -> str:
+    """Return the page: the processes, other tables (heads, rows), and what is wrong."""
+    window_min = min(WINDOW_S, hours * 600) / 60
+    head = f"""# Soak
+
+Written by `make soak`, never by hand. Both robots, a page with clients, recorders with and without pictures, random
+previews and commits, STOPs, and a router that is restarted. {hours:.2f} hours on {machine()}.
+
+Each pair of numbers compares the minutes {window_min:.1f} to {2 * window_min:.1f} with the last {window_min:.1f} (medians).
+
+"""
+    parts = [head, table(HEADS, (row.cells() for row in rows))]
+    for heads, cells in others:
+        parts += ["\n", table(heads, cells)]
+    found = (
+        "".join(f"- {fault}\n" for fault in faults)
+        or f"Nothing: no process grows by more than {GROWTH:.0%}.\n"
+    )
+    return "".join([*parts, "\n## What is wrong\n\n", found])
