@@ -138,8 +138,8 @@ RETRY_S: Final = 1.0
 """Time until the process is started again."""
 NO_OPENGL: Final = (
     "This computer has no OpenGL for the simulated eyes, which see nothing. On Debian and Ubuntu: "
-    "sudo apt install libegl1 libegl-mesa0 libgl1-mesa-dri; then restart the simulation. MUJOCO_GL=egl or osmesa selects "
-    "the driver."
+    "sudo apt install libegl1 libegl-mesa0 libgl1-mesa-dri libopengl0; then restart the simulation. MUJOCO_GL=egl or "
+    "osmesa selects the driver."
 )
 NO_RENDERER: Final = (
     "The process that draws the pictures cannot be started, has crashed, or hangs; it is restarted."

@@ -127,7 +127,7 @@ def graphics() -> CheckResult:
     return CheckResult(
         "graphics",
         "OpenGL does not work: the eyes of simulations see nothing",
-        advice="on Linux apt install libegl1 libgl1-mesa-dri, or update the graphics driver; unset MUJOCO_GL if it is set",
+        advice="on Linux apt install libegl1 libgl1-mesa-dri libopengl0, or update the graphics driver; unset MUJOCO_GL if it is set",
     )
 
 
