@@ -35,7 +35,7 @@ from beatrix_zenoh.node.requests import ControllerQueue, Requests
 from beatrix_zenoh.node.snapshot import Snapshot
 from beatrix_zenoh.node.state import Publisher, StateQueries
 from beatrix_zenoh.node.stop import StopHandler
-from beatrix_zenoh.node.watchdog import Watchdog
+from beatrix_zenoh.node.systemd import SystemdReports
 from beatrix_zenoh.schedule import Schedule
 from beatrix_zenoh.threads import Owner
 
@@ -168,7 +168,7 @@ class Node:
             *hardware.components(self),
             *([port] if port else []),
             clients,
-            Watchdog(requests.queue, self.owner, clock),
+            SystemdReports(requests.queue, self.owner, clock),
         ]
 
     @property

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from beatrix_zenoh.node.watchdog import PERIOD_S
+from beatrix_zenoh.node.systemd import PERIOD_S
 from hw_node.port import MEGA_USB_IDS
 
 DEPLOY = Path(__file__).resolve().parents[2] / "deploy"

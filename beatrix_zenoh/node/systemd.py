@@ -21,7 +21,7 @@ PERIOD_S: Final = 2.0
 """Period of the reports (s), a fifth of `WatchdogSec` in deploy/beatrix-hw.service."""
 
 
-class Watchdog(Component):
+class SystemdReports(Component):
     """Sends each report through the threads of clock and controller, so that a hang of one of them ends the reports."""
 
     def __init__(self, queue: ControllerQueue, owner: Owner, clock: Schedule) -> None:

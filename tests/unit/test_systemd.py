@@ -11,7 +11,7 @@ from unittest.mock import Mock
 import pytest
 
 from beatrix_zenoh.node.requests import ControllerQueue
-from beatrix_zenoh.node.watchdog import ADDRESS, Watchdog
+from beatrix_zenoh.node.systemd import ADDRESS, SystemdReports
 from beatrix_zenoh.schedule import Schedule
 from beatrix_zenoh.threads import Owner
 
@@ -38,18 +38,18 @@ def clock() -> Iterator[Schedule]:
 
 def test_a_report_needs_the_threads_of_clock_and_controller(systemd: socket.socket, clock: Schedule) -> None:
     queue = ControllerQueue()
-    watchdog = Watchdog(queue, OWNER, clock)
-    watchdog.start(Mock())
+    reports = SystemdReports(queue, OWNER, clock)
+    reports.start(Mock())
     entry = queue.take()  # posted by the clock's thread
     assert entry is not None
     assert not select.select([systemd], [], [], 0.0)[0]
     entry()  # as the controller's thread does
     assert systemd.recv(99) == b"READY=1\nWATCHDOG=1"
-    watchdog.close()
+    reports.close()
     assert not clock.serves(OWNER)
 
 
 def test_a_node_outside_of_systemd_reports_nothing(clock: Schedule, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv(ADDRESS, raising=False)
-    Watchdog(ControllerQueue(), OWNER, clock).start(Mock())
+    SystemdReports(ControllerQueue(), OWNER, clock).start(Mock())
     assert not clock.serves(OWNER)
