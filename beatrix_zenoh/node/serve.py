@@ -25,6 +25,7 @@ from beatrix_zenoh.contract.errors import NoAnswer, wrong_usage
 from beatrix_zenoh.legacy import Terminal
 from beatrix_zenoh.logs import log_to
 from beatrix_zenoh.node.node import Node, RobotBody
+from beatrix_zenoh.node.systemd import report
 from beatrix_zenoh.schedule import Schedule
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import FAULT, Shutdown
@@ -137,6 +138,7 @@ def _connect(settings: Settings, names: Sequence[str], shutdown: Shutdown) -> Se
             if not reported:
                 print(f"{error.message} The node waits; Ctrl-C ends it.", file=sys.stderr, flush=True)
             reported = True
+            report()  # a node that waits for its router works
             if shutdown.requested(REFUSED_S if error.reason is Reason.ACCOUNT_REFUSED else RETRY_S):
                 return None
 

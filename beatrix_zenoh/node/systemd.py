@@ -44,8 +44,10 @@ class SystemdReports(Component):
 
 
 def report() -> None:
-    """Send a report without waiting: the service is ready, and works."""
-    if sys.platform != "win32":
-        address = os.environ[ADDRESS].replace("@", "\0", 1)  # the first byte of an abstract address
+    """Send a report, if systemd wants it, without waiting: the service is ready, and works."""
+    address = os.environ.get(ADDRESS)
+    if address and sys.platform != "win32":
+        # The first byte of an abstract address is 0, which the variable cannot contain.
+        to = address.replace("@", "\0", 1)
         with contextlib.suppress(OSError), socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as sender:
-            sender.sendto(b"READY=1\nWATCHDOG=1", socket.MSG_DONTWAIT, address)
+            sender.sendto(b"READY=1\nWATCHDOG=1", socket.MSG_DONTWAIT, to)
