@@ -41,6 +41,7 @@ from beatrix_zenoh.recording.losses import POSITIONS, Losses
 from beatrix_zenoh.recording.rrd.read import read
 from beatrix_zenoh.recording.samples import lost
 from beatrix_zenoh.settings import Settings
+from beatrix_zenoh.shutdown import signals_interrupt
 
 NAME: Final = "soak"
 SIDES: Final = ("sim", "hw")
@@ -348,7 +349,7 @@ def main() -> None:
         "--page", type=Path, help=f"write the page to this file, in {ROOT.name}/docs/reference"
     )
     words = parser.parse_args()
-    with TemporaryDirectory(prefix="beatrix-soak-") as folder:
+    with signals_interrupt(), TemporaryDirectory(prefix="beatrix-soak-") as folder:
         text, faults = run(words.hours, Path(folder))
     print(f"\n{text}")
     if words.page is not None:
