@@ -15,7 +15,6 @@ from contextlib import contextmanager, suppress
 from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TextIO
 
 import zenoh
 
@@ -43,24 +42,12 @@ Row = tuple[str, str, str]
 class Served:
     """A process that prints `ready`."""
 
-    def __init__(
-        self,
-        module: str,
-        *words: str,
-        account: Path | None = None,
-        folder: Path = ROOT,
-        errors: TextIO | None = None,
-    ) -> None:
-        """Start the process.
-
-        `account`: file of an account of a class; `folder`: checkout whose code it runs; `errors`: takes its stderr.
-        """
+    def __init__(self, module: str, *words: str, account: Path | None = None, folder: Path = ROOT) -> None:
+        """Start the process; `account`: file of an account of a class; `folder`: checkout whose code it runs."""
         began = time.monotonic()
         command = [sys.executable, "-m", module, *words]
         env = {**os.environ, "BEATRIX_ACCOUNT": str(account or "")}
-        self._process = subprocess.Popen(
-            command, stdout=subprocess.PIPE, stderr=errors, text=True, cwd=folder, env=env
-        )
+        self._process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=folder, env=env)
         assert self._process.stdout is not None
         line = self._process.stdout.readline()
         assert line.startswith("ready"), line

@@ -16,6 +16,7 @@ import contextlib
 import os
 import random
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -25,7 +26,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Final
+from typing import Final, TextIO
 
 import numpy as np
 import soak_figures
@@ -212,6 +213,23 @@ def browse(soak: Soak) -> None:
     asyncio.run(pages(soak))
 
 
+class Logged(Served):
+    """A process that prints `ready`, and whose stderr goes to a file."""
+
+    def __init__(self, module: str, *words: str, errors: TextIO) -> None:
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", module, *words],
+            stdout=subprocess.PIPE,
+            stderr=errors,
+            text=True,
+            cwd=ROOT,
+            env={**os.environ, "BEATRIX_ACCOUNT": ""},
+        )
+        assert self._process.stdout is not None
+        line = self._process.stdout.readline()
+        assert line.startswith("ready"), f"{module} did not start: {line}"
+
+
 class Processes:
     """The processes of the soak, with their output in a folder."""
 
@@ -242,7 +260,7 @@ class Processes:
 
     def _begin(self, name: str, module: str, *words: str) -> None:
         errors = self._stack.enter_context((self._folder / f"{name}.log").open("a", encoding="utf-8"))
-        self.served[name] = Served(module, *words, errors=errors)
+        self.served[name] = Logged(module, *words, errors=errors)
 
     def restart_router(self) -> None:
         """End the router, and start it again at the same address."""
