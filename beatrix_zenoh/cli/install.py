@@ -22,7 +22,7 @@ from beatrix_zenoh.requirements import DISTRIBUTION
 def install(
     extras: Annotated[list[str], typer.Argument(metavar="EXTRA...", help="What to add, such as gui.")],
 ) -> None:
-    """Install what a part of BEATRIX needs: gui, rerun, video and so on.
+    """Install what a part of BEATRIX needs, such as gui.
 
     Uses uv if it is there, else pip. In a folder of the sources the versions are those of constraints.txt.
     """

@@ -80,7 +80,7 @@ def export(
     on: On = None,
     as_json: Json = False,
 ) -> None:
-    """Write a recording as a table (CSV, Parquet), MCAP for Foxglove, film or sound.
+    """Write a recording as a table, MCAP, film or sound.
 
     A row every 20 ms, with all robots side by side; fields are empty where samples are missing. Units are in the names of the
     columns; docs/how-to/analyse.md lists them. MCAP has every sample as a message, in rad. --video shows the models of both robots, or with --eye what one eye saw.
