@@ -6,6 +6,7 @@ import socket
 import subprocess
 import sys
 import time
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
 import bench_media
@@ -87,29 +88,39 @@ def show(console: Console, figures: list[Row]) -> None:
     console.print(table)
 
 
-def over_zenoh() -> list[Row]:
-    """Measure nodes, cameras and the recorder at a router of their own."""
+def nodes(endpoint: str) -> Iterator[Row]:
+    """Measure the nodes of a simulation and of a virtual board."""
+    yield "floor: raw TCP round trip in Python [ms]", spread_ms(raw_tcp()), FLOOR
+    yield from rows("sim", "sim_node", endpoint)
+    yield from rows("hw", "hw_node", endpoint, "--port", "virtual:")
+
+
+PARTS: dict[str, Callable[[str], Iterable[Row]]] = {
+    "nodes": nodes,
+    "board": on_a_board,
+    "cameras": bench_media.rows,
+    "recorder": bench_record.rows,
+}
+"""What is measured over Zenoh, by name, at a router's endpoint."""
+
+
+def over_zenoh(*parts: str) -> list[Row]:
+    """Measure these parts at a router of their own."""
     endpoint = free_endpoint()
     router = Served("beatrix_zenoh.cli", "router", "--listen", endpoint)
     began = stolen_time()
     try:
-        figures = [("floor: raw TCP round trip in Python [ms]", spread_ms(raw_tcp()), FLOOR)]
-        figures += rows("sim", "sim_node", endpoint)
-        figures += rows("hw", "hw_node", endpoint, "--port", "virtual:")
-        figures += on_a_board(endpoint)
-        figures += bench_media.rows(endpoint)
-        figures += bench_record.rows(endpoint)
+        figures = [row for part in parts for row in PARTS[part](endpoint)]
     finally:
         router.end()
     stolen = f"{stolen_share(began):.1%}"
-    figures.insert(1, ("processor time that the host gave to other virtual machines", stolen, "0"))
-    return figures
+    return [("processor time that the host gave to other virtual machines", stolen, "0"), *figures]
 
 
 def main() -> None:
     """Measure over Zenoh, then run the other benchmarks."""
     console = Console(width=130)
-    show(console, over_zenoh())
+    show(console, over_zenoh(*PARTS))
     for script in OTHERS:
         console.print(f"\n{script}")
         program, *words = script.split()
