@@ -311,13 +311,21 @@ class Mega:
         assert self._process.stdout is not None
         self._process.stdout.readline()
 
-    def send(self, word: str) -> None:
-        """Send a word to the simulation, and wait until it is carried out."""
+    def reset(self) -> None:
+        """Press the reset button."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
-        self._process.stdin.write(word + "\n")
+        self._process.stdin.write("reset\n")
         self._process.stdin.flush()
         self._process.stdout.readline()
+
+    def freeze(self) -> None:
+        """Suspend the board, which then answers nothing."""
+        self._process.send_signal(signal.SIGSTOP)
+
+    def resume(self) -> None:
+        """Let a frozen board go on."""
+        self._process.send_signal(signal.SIGCONT)
 
     def end(self) -> None:
         """End the simulation."""
@@ -341,15 +349,20 @@ def round_trips(port: Path) -> list[float]:
     return took
 
 
-def lost_s(mega: Mega, robot: Robot, word: str) -> float:
-    """Return the time (s) from a reset or loss of the board during a motion to a status that reports it."""
+def lost_s(robot: Robot, lose: Callable[[], None]) -> float:
+    """Return the time (s) from a reset or loss of the board during a motion to a status that reports it.
+
+    Raises TimeoutError after 10 s.
+    """
     robot.enable()
     robot.calibrate()
     robot.look(yaw=30, wait=False)
     time.sleep(0.3)
     began = time.perf_counter()
-    mega.send(word)
+    lose()
     while (status := robot.status()).board.connected and status.calibrated:
+        if time.perf_counter() - began > 10:
+            raise TimeoutError(f"The status does not report within 10 s what {lose.__name__} has done.")
         time.sleep(0.005)
     return time.perf_counter() - began
 
@@ -377,14 +390,13 @@ def on_a_board(endpoint: str) -> Iterator[Row]:
                 "",
             )
             yield "Mega at 250 000 baud: query -> accepted [ms]", spread_ms(accepted(robot)), "< 3 / < 6"
-            for word, remedy in (("reset", ""), ("freeze", "go"), ("unplug", "plug")):
+            for lose in (mega.reset, mega.freeze):
                 yield (
-                    f"Mega: {word} during a motion -> status reports it [s]",
-                    f"{lost_s(mega, robot, word):.2f}",
+                    f"Mega: {lose.__name__} during a motion -> status reports it [s]",
+                    f"{lost_s(robot, lose):.2f}",
                     "< 0.5",
                 )
-                if remedy:
-                    mega.send(remedy)
+                mega.resume()
                 while not robot.status().board.connected:
                     time.sleep(0.05)
                 robot.disable()
