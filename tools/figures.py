@@ -37,6 +37,10 @@ idle computer of this kind; a busy computer has longer tails.
 | | |
 |---|---|
 """
+BUSY: Final = (
+    "**busy with other work**: medians are longer than on an idle computer, tails many times longer, and required "
+    "values may be missed for this reason alone; measure again"
+)
 
 
 def first_line(path: Path, pattern: str) -> str:
@@ -54,6 +58,7 @@ def computer() -> dict[str, str]:
     git = subprocess.run(
         ["git", "describe", "--always", "--dirty"], capture_output=True, text=True, check=False, cwd=ROOT
     )
+    load = os.getloadavg()[0]
     processor = first_line(Path("/proc/cpuinfo"), r"model name\t: (.+)")
     kilobytes = first_line(Path("/proc/meminfo"), r"MemTotal: +(\d+)")
     return {
@@ -62,7 +67,7 @@ def computer() -> dict[str, str]:
         "memory": f"{int(kilobytes) / 2**20:.1f} GiB" if kilobytes.isdecimal() else kilobytes,
         "system": f"{platform.system()} {platform.release()} {platform.machine()}, Python {platform.python_version()}",
         "software": f"{', '.join(f'{one} {metadata.version(one)}' for one in packages)}, commit {git.stdout.strip()}",
-        "load before the first benchmark": f"{os.getloadavg()[0]:.1f} processes (0: nothing else ran)",
+        "load before the first benchmark": f"{load:.1f} processes{f', {BUSY}' if load > 1 else ''}",
     }
 
 
