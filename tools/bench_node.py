@@ -384,18 +384,11 @@ def on_a_board(endpoint: str) -> Iterator[Row]:
             robot.calibrate()
             # A query for positions needs Zenoh and threads, but no check and no board: it shows the present speed of
             # this computer.
-            yield (
-                "the same minutes: a query's answer, no board [ms]",
-                spread_ms(paced(robot.positions)),
-                "",
-            )
+            yield "the same minutes: a query's answer, no board [ms]", spread_ms(paced(robot.positions)), ""
             yield "Mega at 250 000 baud: query -> accepted [ms]", spread_ms(accepted(robot)), "< 3 / < 6"
             for lose in (mega.reset, mega.freeze):
-                yield (
-                    f"Mega: {lose.__name__} during a motion -> status reports it [s]",
-                    f"{lost_s(robot, lose):.2f}",
-                    "< 0.5",
-                )
+                what = f"Mega: {lose.__name__} during a motion -> status reports it [s]"
+                yield what, f"{lost_s(robot, lose):.2f}", "< 0.5"
                 mega.resume()
                 while not robot.status().board.connected:
                     time.sleep(0.05)
