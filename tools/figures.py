@@ -93,9 +93,9 @@ def section(script: str) -> str:
             timeout=LONGEST_S,
             cwd=ROOT,
         )
-        text = done.stdout.rstrip() + (
-            f"\n{done.stderr.rstrip()}\nexit code {done.returncode}" if done.returncode else ""
-        )
+        text = done.stdout.rstrip()
+        if done.returncode:  # only the last line of a traceback: the others name folders of this computer
+            text += f"\nIt failed: {(done.stderr.rstrip() or 'no reason').splitlines()[-1]}"
     except subprocess.TimeoutExpired:
         text = f"It had not ended after {LONGEST_S:.0f} s."
     text = re.sub(r"\x1b\[[\d;]*m", "", text)
