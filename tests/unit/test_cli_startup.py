@@ -77,7 +77,8 @@ def errors_of(folder: Path, text: str, **environment: str) -> list[str]:
 def test_an_uncaught_error_shows_only_the_lines_of_the_program(tmp_path: Path) -> None:
     program = f"def drive():\n    {CALL}.look()\ntry:\n    1/0\nexcept ArithmeticError:\n    drive()\n"
     *lines, sentence = errors_of(tmp_path, program)
-    assert lines == [
+    # Python 3.13 also marks the call.
+    assert [line for line in lines if line.strip("~^ ")] == [
         "Traceback (most recent call last):",
         f'  File "{tmp_path}/prog.py", line 7, in <module>',
         "    drive()",
