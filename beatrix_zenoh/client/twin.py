@@ -290,6 +290,7 @@ class Twin(ProcessBound, Closable, Movable[TwinMotion, Plan]):
         with self._starting:
             before, self._motion = self._motion, motion
         if before is None or not before.hold():
+            before = None  # otherwise the tracebacks of failed starts keep all motions that have failed before them
             motion.start(wait=wait)
             return
         try:

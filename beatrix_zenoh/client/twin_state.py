@@ -144,3 +144,4 @@ class Lead:
         """End the subscriptions."""
         for stops in self._stops:
             stops.close()
+        self._check_both = lambda: None  # it holds the plan, which holds the motion before it

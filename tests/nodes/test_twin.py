@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import gc
 import signal
 import threading
 import time
+import weakref
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from unittest.mock import Mock
 
 import pytest
 from robots import Stage, assert_fails, until
@@ -13,6 +17,7 @@ from robots import Stage, assert_fails, until
 from beatrix_zenoh import Interrupted, NoAnswer, Refused, Robot, Twin
 from beatrix_zenoh.client.choreography import ArmPose, Choreography, Pose, play
 from beatrix_zenoh.client.motion import Motion
+from beatrix_zenoh.client.twin_motion import TwinMotion
 from beatrix_zenoh.contract._generated.messages import MotionQuery, PoseQuery, Reason
 
 
@@ -52,6 +57,35 @@ def test_commit_moves_both_robots_to_one_place_and_the_simulation_first(
     assert accepted == ["sim", "hw"]
     with pytest.raises(Refused, match="committed already"):
         plan.abort()
+
+
+def test_a_twin_keeps_only_its_last_motion(twin: Twin, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A program may run for months, be refused again and again, and replace its motions before they end."""
+    kept: list[weakref.ref[TwinMotion]] = []
+    start = TwinMotion.start
+
+    def record(motion: TwinMotion, *, wait: bool, begun: Callable[[], None] = lambda: None) -> None:
+        kept.append(weakref.ref(motion))
+        start(motion, wait=wait, begun=begun)
+
+    monkeypatch.setattr(TwinMotion, "start", record)
+
+    def alive() -> int:
+        gc.collect()
+        return sum(motion() is not None for motion in kept)
+
+    for yaw in (1, 2, 3, 4):
+        twin.preview(yaw=yaw).commit(lead_s=5.0, wait=False)
+    until(lambda: alive() <= 2, "a motion and the one that it has replaced are kept")
+    twin.stop()
+    for yaw in (5, 6, 7):
+        plan = twin.preview(yaw=yaw)
+        with monkeypatch.context() as refusing:
+            refusing.setattr(Robot, "begin", Mock(side_effect=Refused(Reason.STOPPED)))
+            assert_fails(lambda plan=plan: plan.commit(wait=False), Refused, Reason.STOPPED)  # type: ignore[misc]
+        del plan
+    until(lambda: alive() == 1, "only the last motion is kept")
+    assert len(kept) == 7
 
 
 @pytest.mark.long("plays in real time")
