@@ -37,7 +37,7 @@ from beatrix_zenoh import BeatrixError, Robot, Twin
 from beatrix_zenoh.client import subscription
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.twin import Plan
-from beatrix_zenoh.contract._generated.messages import Fault
+from beatrix_zenoh.contract._generated.messages import Fault, Reason
 from beatrix_zenoh.recording.losses import POSITIONS, Losses
 from beatrix_zenoh.recording.rrd.read import read
 from beatrix_zenoh.recording.samples import lost
@@ -53,6 +53,7 @@ LOOK_S: Final = 5.0
 MOTION_S: Final = 20.0
 """Longest time (s) of a motion; one that takes longer hangs."""
 VISIT_S: Final = 10.0
+AFTER_STOP_S: Final = 3.5
 
 
 @dataclass
@@ -104,7 +105,8 @@ def drive(soak: Soak) -> None:
                 soak.faults.append(f"A motion took longer than {MOTION_S:.0f} s.")
             except BeatrixError as error:
                 soak.counts[f"refused or lost: {error.reason.name}"] += 1
-                soak.over.wait(0.5)
+                # A motion within 3 s after the STOP of another seat is refused, and the 3 s begin again.
+                soak.over.wait(AFTER_STOP_S if error.reason is Reason.STOPPED else 0.5)
 
 
 def carry_out(soak: Soak, dice: random.Random, plan: Plan, other: Robot) -> None:
