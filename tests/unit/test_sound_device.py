@@ -225,7 +225,7 @@ def test_without_sounddevice_the_refusal_says_what_to_install(monkeypatch: pytes
     monkeypatch.setitem(sys.modules, "sounddevice", None)
     with pytest.raises(
         WrongUsage,
-        match=r'--microphones \'USB\': .*beatrix install sound.*apt install libportaudio2.*`tone` is a test tone',
+        match=r"--microphones \'USB': .*beatrix install sound.*apt install libportaudio2.*`tone` is a test tone",
     ):
         choose("USB")
 
