@@ -29,5 +29,5 @@ def test_a_seat_is_stuck_while_checks_find_nothing_new(tmp_path: Path, figures: 
 
 def test_a_bench_that_cannot_be_loaded_says_why(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bench, "MODULE", "not_installed.bench")
-    with pytest.raises(Refused, match=r"No module named 'not_installed'.*pip install"):
+    with pytest.raises(Refused, match=r"No module named 'not_installed'.*beatrix install sim"):
         bench.start(None)
