@@ -134,9 +134,18 @@ def start_page(supervisor: Supervisor, *where: str) -> str | None:
 
 def show_page(address: str) -> bool:
     """Open the page in the browser of the user; return whether there is one."""
-    shown = webbrowser.open(address)
-    note(f"Both robots are at {address}{'' if shown else ', but no browser could be opened'}.")
-    return shown
+    try:
+        webbrowser.get()
+    except webbrowser.Error:
+        note(f"Both robots are at {address}, but there is no browser on this computer.")
+        return False
+    note(f"Both robots are at {address}: drive them there, after the demo.")
+    silent = subprocess.DEVNULL
+    # A process of its own, because some browsers keep the one that opens them waiting until they are closed.
+    subprocess.Popen(
+        [*PYTHON, "webbrowser", address], stdin=silent, stdout=silent, stderr=silent, start_new_session=True
+    )
+    return True
 
 
 def free_port() -> int:
