@@ -6,6 +6,7 @@ import contextlib
 import os
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -91,21 +92,19 @@ class Child:
         log: Path,
         role: Role = Role.REQUIRED,
         environment: Mapping[str, str] = MappingProxyType({}),
+        robots: int = 1,
     ) -> None:
         self.title, self.arguments, self.log, self.role = title, arguments, log, role
+        self.robots = robots
+        """how many times it prints `ready`"""
         self._reported = 0
         with log.open("wb") as output:
             self._process = start_child(arguments, output, environment)
 
     @property
     def ready(self) -> bool:
-        """Whether the process has printed `ready`."""
-        return self.robots_ready > 0
-
-    @property
-    def robots_ready(self) -> int:
-        """How many of its robots are ready."""
-        return sum(line.startswith("ready ") for line in self.lines())
+        """Whether the process has printed `ready`, a simulation of several robots for each of them."""
+        return sum(line.startswith("ready ") for line in self.lines()) >= self.robots
 
     @property
     def code(self) -> int | None:
@@ -177,14 +176,14 @@ class Supervisor:
         self._crashed_s: dict[str, float] = {}
         """time of the last crash by title (monotonic clock, s)"""
 
-    def start(self, title: str, *arguments: str, role: Role = Role.REQUIRED) -> Child:
-        """Start `beatrix …`; wait for it with `wait_ready`. Raises Refused (SHUTDOWN) after `end_all`."""
+    def start(self, title: str, *arguments: str, role: Role = Role.REQUIRED, robots: int = 1) -> Child:
+        """Start `beatrix …`, with so many robots; wait with `wait_ready`. Raises Refused (SHUTDOWN) after `end_all`."""
         with self._starting:
             if self._closed:
                 raise Refused(Reason.SHUTDOWN, f"The {title} is not started, because this program ends.")
             number = len(list(self.folder.glob(f"{title}*.log")))
             log = self.folder / (f"{title}-{number + 1}.log" if number else f"{title}.log")
-            child = Child(title, arguments, log, role, self._environment)
+            child = Child(title, arguments, log, role, self._environment, robots)
             self.children.append(child)
         return child
 
@@ -250,7 +249,7 @@ class Supervisor:
         self.finish(child)
         if crashed and now_s - self._crashed_s.get(child.title, -CRASHES_S) >= CRASHES_S:
             self._crashed_s[child.title] = now_s
-            self.start(child.title, *child.arguments, role=child.role)
+            self.start(child.title, *child.arguments, role=child.role, robots=child.robots)
             return f"{cause}. It is started again, as if it had just been switched on.{output}"
         others = "; the robots continue to run" if child.role is Role.WINDOW else " and stays down"
         return f"{cause}{others}.{output}\nTo start it again: {typed('beatrix', *child.arguments)}"
@@ -330,6 +329,13 @@ def advice(endpoint: str, verbs: Sequence[str], logs: Path) -> str:
     where = "" if endpoint == DEFAULT_ENDPOINT else " " + typed("--connect", endpoint)
     lines = "\n".join(f"  beatrix {words}{where}" for words in verbs)
     return f"\nNow type in another terminal:\n{lines}\n\nThe output of all processes is in {logs}. Ctrl-C here ends them."
+
+
+def free_port() -> int:
+    """Return a port of this computer that is free now."""
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port: int = free.getsockname()[1]
+        return port
 
 
 @contextlib.contextmanager

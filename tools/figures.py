@@ -1,7 +1,7 @@
 """Measure BEATRIX on this computer, and write docs/reference/figures.md: `python tools/figures.py [WORD...]`.
 
 With words it runs only the benchmarks whose names contain one of them, such as `twin` or `nodes`; the page lists the
-others as not run. Nobody types a figure.
+others as not run. No figure is typed by hand.
 """
 
 from __future__ import annotations

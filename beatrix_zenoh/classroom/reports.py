@@ -9,7 +9,7 @@ from typing import Final
 from msgspec import structs
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh.client.own_gestures import LARGEST_BYTES
+from beatrix_zenoh.client.own_gestures import LARGEST_BYTES, MOST
 from beatrix_zenoh.contract import codec, names
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import LessonState, SharedGesture
@@ -19,7 +19,7 @@ LARGEST: Final = 400
 """Largest report that is kept (bytes); a usual one has about 60."""
 LARGEST_GESTURE: Final = 2 * LARGEST_BYTES
 """Largest message with a gesture that is kept (bytes)."""
-GESTURES_MAX: Final = 48
+GESTURES_MAX: Final = MOST
 """Number of gestures of a seat that are kept, the newest."""
 
 

@@ -11,7 +11,7 @@ from beatrix_zenoh.classroom import provision
 from beatrix_zenoh.contract.errors import wrong_usage
 from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.output import say, typed
-from beatrix_zenoh.processes import POLL_S, Role, Supervisor, end_on_interrupt, watch
+from beatrix_zenoh.processes import Role, Supervisor, end_on_interrupt, watch
 from beatrix_zenoh.shutdown import signals_interrupt
 
 
@@ -36,13 +36,12 @@ def run(file: Path, port: str | None) -> None:
         supervisor.wait_ready()
         twin = [] if port is None else ["--name", described.robots[0]]
         words = ("--seats", str(file), *twin, "--ready")
-        simulation = supervisor.start("simulation", "sim", *words, role=Role.ROBOT)
+        robots = len(described.seats) + (port is not None)
+        supervisor.start("simulation", "sim", *words, role=Role.ROBOT, robots=robots)
         if port is not None:
             supervisor.start("hardware", "hw", *twin, "--port", port, role=Role.ROBOT)
         supervisor.start("page", "web", "--class", str(file), role=Role.ROBOT)
         supervisor.wait_ready()
-        while simulation.robots_ready < len(described.seats) + len(twin) // 2 and simulation.code is None:
-            shutdown.requested(POLL_S)
         supervisor.new_lines()  # discards the output so far: what follows says what matters
         with end_on_interrupt():
             for line in told(described, folder, file):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import socket
 import subprocess
 import sys
 import time
@@ -18,7 +17,7 @@ import typer
 from beatrix_zenoh.contract.errors import bad_value
 from beatrix_zenoh.files import new_file
 from beatrix_zenoh.output import FAILED, note, print_json, say, typed
-from beatrix_zenoh.processes import PYTHON, Role, Supervisor, advice, end_on_interrupt, watch
+from beatrix_zenoh.processes import PYTHON, Role, Supervisor, advice, end_on_interrupt, free_port, watch
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import signals_interrupt
 from beatrix_zenoh.terminal.options import Json
@@ -146,13 +145,6 @@ def show_page(address: str) -> bool:
         [*PYTHON, "webbrowser", address], stdin=silent, stdout=silent, stderr=silent, start_new_session=True
     )
     return True
-
-
-def free_port() -> int:
-    """Return a free port of this computer."""
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        port: int = free.getsockname()[1]
-        return port
 
 
 def perform(supervisor: Supervisor, settings: Settings, picture: Path) -> Path | None:

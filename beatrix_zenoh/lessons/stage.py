@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import socket
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, ExitStack, contextmanager
@@ -22,7 +21,7 @@ from beatrix_zenoh.contract._generated.messages import Event, EventKind, Positio
 from beatrix_zenoh.lessons.measures import Curve, HeadCurves
 from beatrix_zenoh.lessons.phrases import Phrase, Still, Tell, busy, phrase
 from beatrix_zenoh.lessons.sandbox import PREFIX, at_home, scratch
-from beatrix_zenoh.processes import Child, Supervisor
+from beatrix_zenoh.processes import Child, Supervisor, free_port
 from beatrix_zenoh.settings import Settings
 
 START_S = 90.0
@@ -187,11 +186,11 @@ class Stage:
     _running: ExitStack
     watches: dict[str, RobotWatch] = field(default_factory=dict)
 
-    def wait(self, child: Child, robots: int = 1) -> None:
-        """Wait until a child is ready with its robots; raises NotMeasurable after START_S, Refused if it has ended."""
+    def wait(self, child: Child) -> None:
+        """Wait until a child is ready; raises NotMeasurable after START_S, Refused if it has ended."""
         deadline_s = time.monotonic() + START_S
         still = Still(self._tell, "still_starts", START_S)
-        while child.robots_ready < robots:
+        while not child.ready:
             self._supervisor.check()
             if time.monotonic() > deadline_s:
                 raise busy(phrase("not_ready", seconds=START_S))
@@ -240,8 +239,7 @@ def open_stage(
         robot_file: values of other robots.
         tell: is called with sentences about a start that takes long.
     """
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        endpoint = f"tcp/127.0.0.1:{free.getsockname()[1]}"
+    endpoint = f"tcp/127.0.0.1:{free_port()}"
     with ExitStack() as running:
         running.callback(zbus.open_router(endpoint).close)
         # The router of a check has no accounts, and a robot of the user that is frozen freezes no check.
@@ -251,7 +249,7 @@ def open_stage(
         robots = [word for name in names for word in ("--name", name)]
         values = ("--robot-file", str(robot_file)) if robot_file else ()
         words = ("--connect", endpoint, "--ready", "--target", path, *values)
-        stage.wait(supervisor.start("simulation", "sim", *robots, *words), len(names))
+        stage.wait(supervisor.start("simulation", "sim", *robots, *words, robots=len(names)))
         client = running.enter_context(Client(Settings(names[0], endpoint, SEAT)))
         stage.watches |= {name: RobotWatch(client, name) for name in names}
         yield stage

@@ -97,7 +97,7 @@ def test_robots_end_before_the_window_and_the_router_ends_last(monkeypatch: pyte
         ready, code = True, None
 
         def __init__(
-            self, title: str, _arguments: object, _log: object, role: Role, _environment: object
+            self, title: str, _arguments: object, _log: object, role: Role, _environment: object, _robots: int
         ) -> None:
             self.title, self.role = title, role
 

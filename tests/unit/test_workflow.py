@@ -1,4 +1,4 @@
-"""The workflow for GitHub, which nobody has run yet: it can be read, and starts only what exists."""
+"""The workflow for GitHub, which has not run yet: it can be read, and starts only what exists."""
 
 from __future__ import annotations
 

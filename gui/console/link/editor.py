@@ -53,9 +53,8 @@ class Editor:
         try:
             text = files.text(file, LARGEST_BYTES, "Python")
         except (OSError, WrongUsage):
-            self._now = replace(
-                self._now, trouble=Trouble("result.no_program", slots={"file": str(file)})
-            )  # the program that is shown stays
+            # The program that is shown stays.
+            self._now = replace(self._now, trouble=Trouble("result.no_program", slots={"file": str(file)}))
         else:
             self._stamp = stamp
             self._now = replace(self._now, file=file, text=text, trouble=None)

@@ -7,18 +7,17 @@ import threading
 import time
 from collections.abc import Iterator
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 from typing import Any, Final
 
 import msgspec
 
 from beatrix_zenoh.contract.errors import BeatrixError
-from beatrix_zenoh.lesson_files import lessons
 from beatrix_zenoh.lessons import progress
 from beatrix_zenoh.processes import POLL_S, Child, Supervisor
 from gui.console.link.jobs import Jobs, Repeated
 from gui.console.state.actions import RunLesson
+from gui.console.state.lesson_strip import known
 from gui.console.state.world import CheckReport, LessonRun
 
 ANSWER_S: Final = 30.0
@@ -70,7 +69,7 @@ class LessonRuns:
         except BeatrixError as error:
             self._change(note=str(error))
             return
-        names = lesson_names()
+        names = [one.name for one in known("en")]
         programs = {name: str(paths[0]) for name in names if (paths := found.programs(name))}
         passed = frozenset(name for name in names if found.record(name).passed)
         self._change(passed=passed, programs=programs)
@@ -101,12 +100,6 @@ class LessonRuns:
             self._change(report=CheckReport())
         self._change(watched=0)
         self._read()
-
-
-@cache
-def lesson_names() -> tuple[str, ...]:
-    """Return the names of all lessons; their files are read once."""
-    return tuple(one.name for one in lessons())
 
 
 @contextlib.contextmanager

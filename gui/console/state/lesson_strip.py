@@ -128,7 +128,7 @@ class LessonStrip:
 
 
 def _good(report: CheckReport, *, passed: bool) -> bool | None:
-    """Return whether a lesson has passed; None: nobody has asked."""
+    """Return whether a lesson has passed; None: not checked yet."""
     if report.outcome == "not_yet":
         return False
     return True if report.outcome == "passed" or (passed and not report.outcome) else None

@@ -8,6 +8,7 @@ from PyQt5.QtCore import QRegularExpression, QSize, Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QRegularExpressionValidator
 from PyQt5.QtWidgets import QLineEdit, QListWidget, QListWidgetItem, QSizePolicy, QWidget
 
+from beatrix_zenoh.client.own_gestures import LONGEST
 from gui.console.state.intents import Theme
 from gui.console.state.own_gestures import EMOJI
 from gui.console.texts import Texts
@@ -17,7 +18,6 @@ from gui.window.widgets.picture_button import emoji_font
 
 PICTURE_PX, CELL_PX = 22, 34
 """Height of an emoji, and side of its place, at scale 1."""
-LONGEST = 24
 WORD = QRegularExpression(r"[\w-]+", QRegularExpression.PatternOption.UseUnicodePropertiesOption)
 """Without spaces, because the space bar is STOP."""
 
