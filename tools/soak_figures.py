@@ -196,7 +196,8 @@ def page(
 Written by `make soak`, never by hand. Both robots, a page with clients, recorders with and without pictures, random
 previews and commits, STOPs, and a router that is restarted. {hours:.2f} hours on {machine()}.
 
-Each pair of numbers compares the minutes {window_min:.1f} to {2 * window_min:.1f} with the last {window_min:.1f} (medians).
+Each pair of numbers compares the minutes {window_min:.1f} to {2 * window_min:.1f} with the last {window_min:.1f} (medians). The router is restarted once
+before, so that what a process loads when it connects again is not called growth.
 
 """
     parts = [head, table(HEADS, (row.cells() for row in rows))]

@@ -39,7 +39,7 @@ def load(code: str) -> tuple[Mapping[str, str], Language]:
     return table, shared._replace(minus=MINUS, head=head, refusals={**shared.refusals, **by_key(own)})
 
 
-@lru_cache(maxsize=4096, typed=True)  # a view has 150 texts, nearly all as in the view before
+@lru_cache(maxsize=1024, typed=True)  # a view has 150 texts, nearly all as in the view before
 def _filled(code: str, key: str, /, **slots: str | float) -> str:
     templates, language = load(code)
     return templates[key].format_map(
