@@ -239,7 +239,7 @@ class Request(SentQuery):
         """Send the query, by default with the priority of its key; replies are received for `lasts_s` and 2 s more."""
         super().__init__(client, place)
         self._key, self._priority, self._attachment = key, priority, attachment
-        self._payload = None if request is None else codec.encode(request)
+        self._payload = None if request is None else codec.encode_request(request)
         self._lasts_s = lasts_s + LATE_S
         self._repeated = False
         self._query = self._ask()
@@ -341,7 +341,7 @@ class GroupRequest(Generic[M]):
     ) -> None:
         """Send the query; replies are received for `lasts_s` and 2 s more."""
         self._client, self._key, self._kind = client, key, kind
-        payload = None if request is None else codec.encode(request)
+        payload = None if request is None else codec.encode_request(request)
         self._query = client.bus.query(key, payload, codec.MSGPACK, priority, lasts_s + LATE_S, attachment)
 
     def replies(self, timeout_s: float) -> Iterator[tuple[Place, M]]:

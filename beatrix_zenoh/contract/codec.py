@@ -56,6 +56,16 @@ def encode(message: msgspec.Struct) -> bytes:
     return data
 
 
+def encode_request(request: msgspec.Struct) -> bytes:
+    """Encode a request as msgpack without the fields that have their defaults: an older robot refuses new fields."""
+    data = msgspec.to_builtins(request)
+    for field in msgspec.structs.fields(request):
+        if getattr(request, field.name) == field.default:
+            del data[field.encode_name]
+    packed: bytes = msgpack.packb(data, use_single_float=True)
+    return packed
+
+
 def encode_json(message: msgspec.Struct) -> bytes:
     """Encode a message as one line of UTF-8 JSON."""
     return msgspec.json.encode(message)

@@ -10,11 +10,13 @@ from typing import TypedDict, cast
 
 import msgpack
 import pytest
-from msgspec import Struct
+from msgspec import Struct, convert, defstruct, to_builtins
+from msgspec.structs import replace
 from robots import ROOT, untraced
 
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import messages
+from beatrix_zenoh.contract.errors import Refused
 
 VECTORS = Path(__file__).resolve().parents[2] / "schemas/vectors/messages.json"
 
@@ -45,6 +47,7 @@ PROGRAM = """
 import json, sys, threading
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import messages
+from beatrix_zenoh.contract.errors import Refused
 sys.setswitchinterval(1e-6)
 for vector in json.load(open("schemas/vectors/messages.json")):
     kind = getattr(messages, vector["message"])
@@ -72,3 +75,14 @@ def test_threads_that_decode_a_message_for_the_first_time_do_not_crash() -> None
             timeout=60.0,
         )
         assert (done.returncode, done.stdout, done.stderr) == (0, "decoded\n", "")
+
+
+def test_an_older_robot_reads_requests_that_do_not_use_a_new_field() -> None:
+    for entry in (one for one in ENTRIES if one["message"].endswith("Query")):
+        kind = cast("type[Struct]", getattr(messages, entry["message"]))
+        message = codec.decode(bytes.fromhex(entry["msgpack"]), kind)
+        newer = defstruct("Newer", [("new", float, 0.5)], bases=(kind,), frozen=True, kw_only=True)
+        request = convert(to_builtins(message), newer)
+        assert codec.decode(codec.encode_request(request), kind) == message
+        with pytest.raises(Refused, match="`new`"):
+            codec.decode(codec.encode_request(replace(request, new=0.6)), kind)
