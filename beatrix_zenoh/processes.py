@@ -12,6 +12,7 @@ import sys
 import tempfile
 import threading
 import time
+import webbrowser
 from collections.abc import Container, Iterator, Mapping, Sequence
 from enum import Enum
 from pathlib import Path
@@ -336,6 +337,20 @@ def free_port() -> int:
     with socket.create_server(("127.0.0.1", 0)) as free:
         port: int = free.getsockname()[1]
         return port
+
+
+def open_in_browser(address: str) -> bool:
+    """Open an address in the browser of the user, which stays open after this program; return whether there is one."""
+    try:
+        webbrowser.get()
+    except webbrowser.Error:
+        return False
+    silent = subprocess.DEVNULL
+    # A process of its own, because some browsers keep the one that opens them waiting until they are closed.
+    subprocess.Popen(
+        [*PYTHON, "webbrowser", address], stdin=silent, stdout=silent, stderr=silent, start_new_session=True
+    )
+    return True
 
 
 @contextlib.contextmanager

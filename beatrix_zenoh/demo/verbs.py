@@ -7,7 +7,6 @@ import shutil
 import subprocess
 import sys
 import time
-import webbrowser
 from importlib import util
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -17,7 +16,16 @@ import typer
 from beatrix_zenoh.contract.errors import bad_value
 from beatrix_zenoh.files import new_file
 from beatrix_zenoh.output import FAILED, note, print_json, say, typed
-from beatrix_zenoh.processes import PYTHON, Role, Supervisor, advice, end_on_interrupt, free_port, watch
+from beatrix_zenoh.processes import (
+    PYTHON,
+    Role,
+    Supervisor,
+    advice,
+    end_on_interrupt,
+    free_port,
+    open_in_browser,
+    watch,
+)
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import signals_interrupt
 from beatrix_zenoh.terminal.options import Json
@@ -133,17 +141,10 @@ def start_page(supervisor: Supervisor, *where: str) -> str | None:
 
 def show_page(address: str) -> bool:
     """Open the page in the browser of the user; return whether there is one."""
-    try:
-        webbrowser.get()
-    except webbrowser.Error:
+    if not open_in_browser(address):
         note(f"Both robots are at {address}, but there is no browser on this computer.")
         return False
     note(f"Both robots are at {address}: drive them there, after the demo.")
-    silent = subprocess.DEVNULL
-    # A process of its own, because some browsers keep the one that opens them waiting until they are closed.
-    subprocess.Popen(
-        [*PYTHON, "webbrowser", address], stdin=silent, stdout=silent, stderr=silent, start_new_session=True
-    )
     return True
 
 

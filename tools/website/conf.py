@@ -9,7 +9,7 @@ from operator import attrgetter
 from pathlib import Path
 
 from docutils import nodes
-from sphinx.addnodes import pending_xref
+from sphinx.addnodes import download_reference, pending_xref
 from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
 from sphinx.ext.napoleon import Config, GoogleDocstring
@@ -170,6 +170,14 @@ def message(
     return nodes.reference("", "", shown, internal=True, refuri=f"{uri}#{place}")
 
 
+def show_sheets(app: Sphinx, doctree: nodes.document, page: str) -> None:
+    """Let a click on a page of our own, such as the card of commands, show it instead of downloading it."""
+    for link in list(doctree.findall(download_reference)):
+        if link["filename"].endswith(".html"):
+            uri = f"{'../' * page.count('/')}_downloads/{link['filename']}"
+            link.replace_self(nodes.reference("", "", *link.children, internal=True, refuri=uri))
+
+
 def speak(app: Sphinx, page: str, template: str, context: dict[str, object], doctree: object) -> None:
     """Name the language of German pages, for screen readers and hyphenation."""
     if page.endswith(".de"):
@@ -181,5 +189,6 @@ def setup(app: Sphinx) -> None:
     app.connect("source-read", complete)
     app.connect("autodoc-process-docstring", docstring)
     app.connect("autodoc-process-signature", constructor)
+    app.connect("doctree-resolved", show_sheets)
     app.connect("html-page-context", speak)
     app.connect("missing-reference", message)

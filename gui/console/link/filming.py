@@ -6,7 +6,6 @@ import math
 import subprocess
 import threading
 import time
-import webbrowser
 from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
@@ -16,7 +15,7 @@ import msgspec
 
 from beatrix_zenoh.client.degrees import reading
 from beatrix_zenoh.contract._generated.messages import Positions
-from beatrix_zenoh.processes import PYTHON
+from beatrix_zenoh.processes import PYTHON, open_in_browser
 from gui.console.link.children import folder
 from gui.console.link.connection import Session
 from gui.console.link.jobs import Jobs
@@ -111,7 +110,7 @@ class Filming:
         """Open a picture in the user's browser or viewer, which stays open after the window."""
 
         def show() -> None:
-            if not webbrowser.open(file.as_uri()):
+            if not open_in_browser(file.as_uri()):
                 self._trouble = Trouble("trouble.no_viewer", slots={"file": str(file)})
 
         self._jobs.put("viewer", show)
