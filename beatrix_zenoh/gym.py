@@ -35,6 +35,7 @@ REFUSED: Final = -1.0
 LARGEST: Final = np.repeat(np.array([math.pi, math.pi, 10.0], np.float32), 3)
 """Bounds of the observation."""
 PICTURE: Final = (480, 480)
+DRAWN: Final = "rgb_array"
 
 Array = npt.NDArray[np.float32]
 
@@ -61,7 +62,7 @@ class HeadEnv(gymnasium.Env[Array, Array]):
     `info["refused"]` has the sentence.
     """
 
-    metadata = {"render_modes": ["rgb_array"], "render_fps": round(1 / STEP_S)}  # noqa: RUF012 - as its base class
+    metadata = {"render_modes": [DRAWN], "render_fps": round(1 / STEP_S)}  # noqa: RUF012 - as its base class
 
     def __init__(self, render_mode: str | None = None) -> None:
         """Prepare; raises Refused (BAD_VALUE) without a simulation."""
@@ -72,6 +73,8 @@ class HeadEnv(gymnasium.Env[Array, Array]):
         self.render_mode = render_mode
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (3,))
         self.observation_space = gymnasium.spaces.Box(-LARGEST, LARGEST)
+        if render_mode not in (None, DRAWN):
+            raise bad_value(f"render_mode {render_mode!r} is neither None nor {DRAWN!r}.")
         self._renderer = PoseRenderer(Figure(), *PICTURE) if render_mode else None
 
     def reset(
@@ -82,6 +85,8 @@ class HeadEnv(gymnasium.Env[Array, Array]):
         around, out = self.np_random.uniform(0.0, math.tau), TILT * math.sqrt(self.np_random.uniform())
         goal = (self.np_random.uniform(-YAW, YAW), out * math.cos(around), out * math.sin(around))
         self._goal = np.array((options or {}).get("goal", goal), np.float64)
+        if self._goal.shape != (3,) or not np.all(np.abs(self._goal) <= math.pi):
+            raise bad_value("The goal must be yaw, pitch and roll (rad), each from -π to π.")
         self._robot: VirtualRobot = self._make(ROBOT.limits.speed_max)
         self._target = np.zeros(3)
         return self._observe(), {}

@@ -325,10 +325,16 @@ def start_router(supervisor: Supervisor, endpoint: str, account: Account | None 
     return "started"
 
 
+def beatrix() -> str:
+    """Return how to start `beatrix` in a terminal: its path if the shell does not find it, as after `make demo`."""
+    mine = Path(sys.executable).with_name("beatrix")
+    return str(mine) if shutil.which("beatrix") is None and mine.exists() else "beatrix"
+
+
 def advice(endpoint: str, verbs: Sequence[str], logs: Path) -> str:
     """Return a text with the commands to type next, and the folder with the output of the children."""
     where = "" if endpoint == DEFAULT_ENDPOINT else " " + typed("--connect", endpoint)
-    lines = "\n".join(f"  beatrix {words}{where}" for words in verbs)
+    lines = "\n".join(f"  {typed(beatrix())} {words}{where}" for words in verbs)
     return f"\nNow type in another terminal:\n{lines}\n\nThe output of all processes is in {logs}. Ctrl-C here ends them."
 
 

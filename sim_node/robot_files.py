@@ -70,7 +70,8 @@ def write(file: Path, robot: RobotData = ROBOT) -> None:
             unfinished.write_text(spec.to_xml(), encoding="utf-8")
             return
         folder = meshes_of(file)
-        folder.mkdir(exist_ok=True)
+        check_new(folder)
+        folder.mkdir()
         ET.ElementTree(urdf(robot, folder)).write(unfinished, encoding="utf-8", xml_declaration=True)
 
 

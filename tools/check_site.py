@@ -39,6 +39,8 @@ class Page(HTMLParser):
 
 def faults(site: Path) -> Iterator[str]:
     """Yield a sentence for each broken link and for each file of another host."""
+    if not list(site.rglob("*.html")):
+        yield f"{site} has no page"
     pages = {path.resolve(): Page(path) for path in site.rglob("*.html")}
     for path, page in pages.items():
         for target in sorted(page.links | page.loads):

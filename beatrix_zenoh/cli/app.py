@@ -31,7 +31,7 @@ def run(words: list[str]) -> int:
             f"needs {error.name}, which is not installed" if isinstance(error, ModuleNotFoundError) else ""
         )
         text = f"The command line {lacking or f'cannot be loaded: {error}'}."
-        install = 'Run `pip install "beatrix-zenoh[cli]"`.'
+        install = f'Run `{sys.executable} -m pip install "beatrix-zenoh[cli]"`.'
         sys.stderr.write((hiding.cause(error) or f"{text} {install}") + "\n")
         return 1
     return runner.run(app, words, "beatrix")

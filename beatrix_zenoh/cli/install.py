@@ -20,16 +20,20 @@ from beatrix_zenoh.requirements import DISTRIBUTION
 
 
 def install(
-    extras: Annotated[list[str], typer.Argument(metavar="EXTRA...", help="What to add, such as gui.")],
+    extras: Annotated[
+        list[str] | None, typer.Argument(metavar="EXTRA...", help="What to add; without it, what there is.")
+    ] = None,
 ) -> None:
     """Install what a part of BEATRIX needs, such as gui.
 
     Uses uv if it is there, else pip. In a folder of the sources the versions are those of constraints.txt.
     """
     known = extras_known()
-    for extra in extras:
+    for extra in extras or [""]:
         if extra not in known:
-            raise bad_value(f"{extra!r} is none of {', '.join(known)}. Choose one of these, or several.")
+            what = f"{extra!r} is none of" if extra else "Choose from"
+            raise typer.BadParameter(f"{what} {', '.join(known)}: for example `beatrix install gui`.")
+    assert extras
     command = [*installer(), f"{DISTRIBUTION}[{','.join(extras)}]"]
     if (constraints := Path(beatrix_zenoh.__file__).parent.parent / "constraints.txt").exists():
         command += ["--constraint", str(constraints)]
@@ -52,9 +56,9 @@ def extras_known() -> list[str]:
 def installer() -> list[str]:
     """Return the command that installs packages for this Python; raises Refused (BAD_VALUE) if there is none."""
     if importlib.util.find_spec("uv") is not None:
-        return [sys.executable, "-m", "uv", "pip", "install", "--python", sys.executable]
+        return [sys.executable, "-P", "-m", "uv", "pip", "install", "--python", sys.executable]
     if shutil.which("uv"):
         return ["uv", "pip", "install", "--python", sys.executable]
     if importlib.util.find_spec("pip") is not None:
-        return [sys.executable, "-m", "pip", "install"]
+        return [sys.executable, "-P", "-m", "pip", "install"]
     raise bad_value("There is neither uv nor pip for this Python. Install uv, then try again.")

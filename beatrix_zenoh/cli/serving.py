@@ -21,7 +21,7 @@ from beatrix_zenoh.processes import Role, Supervisor, advice, end_on_interrupt, 
 from beatrix_zenoh.settings import DEFAULT_ENDPOINT, Settings, resolve
 from beatrix_zenoh.shutdown import Shutdown, signals_interrupt
 from beatrix_zenoh.terminal.options import Connect, Legacy, LogFile, OwnName, RobotFile
-from beatrix_zenoh.terminal.run import install, missing
+from beatrix_zenoh.terminal.run import missing
 from beatrix_zenoh.terminal.states import ListedRobot, look_up
 
 PROCESSES = "beatrix.processes"
@@ -121,7 +121,9 @@ def run(process: str, arguments: list[str]) -> int:
     """
     entries = metadata.entry_points(group=PROCESSES, name=process)
     if not entries:
-        raise bad_value(f"`beatrix {process}` is not installed. {install(process)}")
+        raise bad_value(
+            f"`beatrix {process}` is newer than the installation. Run `make demo` in the folder of BEATRIX, which renews it."
+        )
     try:
         main = next(iter(entries)).load()
     except ModuleNotFoundError as error:

@@ -21,6 +21,7 @@ from beatrix_zenoh.processes import (
     Role,
     Supervisor,
     advice,
+    beatrix,
     end_on_interrupt,
     free_port,
     open_in_browser,
@@ -39,6 +40,8 @@ REST_DEG = "0.5"
 """Largest difference at rest (deg) that counts as the same movement; a full motor step is 0.7 deg of an arm."""
 SETTLE_S = 0.5
 """Time at rest before and after the movement (s)."""
+NEEDED = {"hw": "serial", "sim": "mujoco"}
+"""The extras without which there are no robots, each with a module of it."""
 NEXT = ("look --yaw 20 --on both", "top", "stop")
 CLI = (*PYTHON, "beatrix_zenoh.cli")
 
@@ -61,6 +64,11 @@ def demo(
     a picture. The demo records both, and compares them as `beatrix compare` does. It needs no robot, no display and no
     network. The exit code is 1 if the movements differ or a file could not be written.
     """
+    lacking = [extra for extra, module in NEEDED.items() if util.find_spec(module) is None]
+    if lacking:
+        raise bad_value(
+            f"The demo needs {' and '.join(lacking)}. Run `beatrix install {' '.join(lacking)} rerun web`."
+        )
     make_folder(out)
     with signals_interrupt() as shutdown, Supervisor() as supervisor:
         settings = start(supervisor)
@@ -80,7 +88,7 @@ def demo(
                 shutil.copyfile(recording, unfinished)
             good = compared(out, as_json=as_json)
             note(f"\nThe recording: {typed('beatrix', 'view', str(out / RECORDING))}")
-        note(f"A picture of both robots: {out / PICTURE}")
+            note(f"A picture of both robots: {out / PICTURE}")
         if keep or window is not None:
             supervisor.new_lines()  # discards the output so far, because the comparison contains its results
             with end_on_interrupt():
@@ -93,12 +101,6 @@ def demo(
             note(f"\nTo drive both robots yourself: {typed(beatrix(), 'up', '--hw', 'virtual:', '--gui')}")
     if not good:
         raise typer.Exit(FAILED)
-
-
-def beatrix() -> str:
-    """Return how to start `beatrix` in a terminal: its path if the shell does not find it, as after `make demo`."""
-    mine = Path(sys.executable).with_name("beatrix")
-    return str(mine) if shutil.which("beatrix") is None and mine.exists() else "beatrix"
 
 
 def make_folder(out: Path) -> None:
@@ -133,6 +135,7 @@ def has_display() -> bool:
 def start_page(supervisor: Supervisor, *where: str) -> str | None:
     """Start the page of both robots on a free port, and return its address; None if its packages are missing."""
     if util.find_spec("tornado") is None:
+        note("To see both robots in your browser: beatrix install web")
         return None
     port = free_port()
     supervisor.start("page", "web", *where, "--port", str(port))
@@ -149,20 +152,19 @@ def show_page(address: str) -> bool:
 
 
 def perform(supervisor: Supervisor, settings: Settings, picture: Path) -> Path | None:
-    """Record both robots while they play a choreography, and return the recording; None if Rerun is not installed.
+    """Record and draw both robots while they play a choreography; return the recording, or None without Rerun.
 
     Raises:
         Refused, Interrupted, NoAnswer: from the first step that failed, or the picture cannot be written.
     """
     from beatrix_zenoh.client.choreography import play, shipped  # here: `beatrix --help` imports this module
     from beatrix_zenoh.client.twin import Twin
-    from beatrix_zenoh.demo.picture import write_picture
 
     path, recorder = supervisor.folder / RECORDING, None
     with Twin(ROBOT, connect=settings.connect, who=settings.who) as twin:
         twin.make_ready()
         if util.find_spec("rerun") is None:
-            note("The demo continues without a recording. To record: beatrix install rerun")
+            note("The demo continues without a recording and a picture. For both: beatrix install rerun")
         else:
             where = ("--name", ROBOT, "--connect", settings.connect)
             recorder = supervisor.start("recorder", "record", str(path), *where)
@@ -178,9 +180,11 @@ def perform(supervisor: Supervisor, settings: Settings, picture: Path) -> Path |
             time.sleep(SETTLE_S)
             play(twin, shipped("demo"), show)
             time.sleep(SETTLE_S)
-    write_picture(picture, {"Simulation": sim, "Hardware": hw}, parts)
     if recorder is None:
         return None
+    from beatrix_zenoh.demo.picture import write_picture  # here: Pillow comes with Rerun
+
+    write_picture(picture, {"Simulation": sim, "Hardware": hw}, parts)
     supervisor.finish(recorder)
     return path
 

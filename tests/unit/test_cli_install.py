@@ -13,9 +13,9 @@ import typer
 from beatrix_zenoh import Refused
 from beatrix_zenoh.cli import install
 
-UV = [sys.executable, "-m", "uv", "pip", "install", "--python", sys.executable]
+UV = [sys.executable, "-P", "-m", "uv", "pip", "install", "--python", sys.executable]
 SYSTEM_UV = ["uv", "pip", "install", "--python", sys.executable]
-PIP = [sys.executable, "-m", "pip", "install"]
+PIP = [sys.executable, "-P", "-m", "pip", "install"]
 
 
 @pytest.fixture
@@ -59,8 +59,10 @@ def test_the_fastest_installer_is_used_with_the_versions_of_the_sources(
 def test_a_wrong_name_and_a_missing_installer_are_refused(
     monkeypatch: pytest.MonkeyPatch, ran: list[list[str]]
 ) -> None:
-    with pytest.raises(Refused, match="'window' is none of gui, video"):
+    with pytest.raises(typer.BadParameter, match="'window' is none of gui, video"):
         install.install(["gui", "window"])
+    with pytest.raises(typer.BadParameter, match="Choose from gui, video"):
+        install.install()
     monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
     monkeypatch.setattr("shutil.which", lambda _: None)
     with pytest.raises(Refused, match="neither uv nor pip"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import warnings
 from pathlib import Path
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
-from beatrix_zenoh import gym
+from beatrix_zenoh import Refused, gym
 
 PAGE = Path(__file__).resolve().parents[2] / "docs/how-to/gym.md"
 MAKE = "beatrix_zenoh.gym:BeatrixHead-v0"
@@ -41,6 +42,12 @@ def test_every_goal_can_be_reached(seed: int) -> None:
         if done:
             return
     pytest.fail("the head has not reached its goal")
+
+
+@pytest.mark.parametrize("goal", [(1.0, 2.0), (math.nan, 0.0, 0.0), (9.0, 0.0, 0.0)])
+def test_a_goal_that_is_none_is_refused(goal: tuple[float, ...]) -> None:
+    with pytest.raises(Refused, match="goal must be yaw, pitch and roll"):
+        gym.HeadEnv().reset(options={"goal": goal})
 
 
 def test_a_refused_set_point_costs_and_time_passes() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
@@ -128,6 +129,6 @@ def test_a_missing_dependency_is_reported_in_one_line(
 
     monkeypatch.setattr("beatrix_zenoh.cli.verbs.application", broken)
     assert app.run(["doctor"]) == 1
-    install = 'Run `pip install "beatrix-zenoh[cli]"`.'
+    install = f'Run `{sys.executable} -m pip install "beatrix-zenoh[cli]"`.'
     said = f"The command line needs msgpack, which is not installed. {install}\n"
     assert capsys.readouterr().err == said

@@ -84,6 +84,7 @@ def test_the_urdf_names_where_its_loops_close(folder: Path) -> None:
         ("head.urdf", 0, "head.urdf: URDF, with head-meshes."),
         ("head.sdf", 2, "must end in .xml (MJCF, for MuJoCo) or .urdf"),
         ("kept.xml", 1, "kept.xml exists and is not overwritten"),
+        ("mine.urdf", 1, "mine-meshes exists and is not overwritten"),
         ("missing/head.urdf", 1, "missing/head.urdf cannot be written: No such file"),
         ("head.xml --robot-file none.toml", 2, "--robot-file none.toml cannot be read"),
     ],
@@ -94,6 +95,7 @@ def test_the_verb_writes_one_file_or_names_the_cure(
 ) -> None:  # fmt: skip
     monkeypatch.chdir(tmp_path)
     Path("kept.xml").write_text("mine")
+    Path("mine-meshes").mkdir()
     assert app.run(["model", *words.split()]) == code
     assert says in " ".join("".join(capsys.readouterr()).split())
     assert Path(words).exists() == (code == 0 or words == "kept.xml")
