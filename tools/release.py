@@ -43,12 +43,16 @@ def run(*command: str | Path, cwd: Path = ROOT) -> str:
 
 
 def version() -> str:
-    """Return the version; exit if the changelog has no section for it with a date, or the clone has other changes."""
+    """Return the version; exit if changelog or CITATION.cff do not have it, or the clone has other changes."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     found = str(project["version"])
     if f"\n## [{found}] - 2" not in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"):
         sys.exit(
             f"CHANGELOG.md has no line `## [{found}] - DATE`. Write it above the changes of this version."
+        )
+    if f"\nversion: {found}\n" not in (ROOT / "CITATION.cff").read_text(encoding="utf-8"):
+        sys.exit(
+            f"CITATION.cff has no line `version: {found}`. Write it, and the date of the release below it."
         )
     if changes := run("git", "status", "--porcelain"):
         sys.exit(f"A release is built from what is committed. Commit or remove first:\n{changes}")

@@ -22,7 +22,7 @@ from typing import Final
 import typer
 
 import beatrix_zenoh
-from beatrix_zenoh import client, output, shutdown
+from beatrix_zenoh import client, output, settings, shutdown
 from beatrix_zenoh.cli.verbs import application
 from beatrix_zenoh.contract import errors
 from beatrix_zenoh.contract._generated import messages as generated
@@ -33,6 +33,8 @@ SHOWN: Final = {"doc", "title", "group", "decimals", "on_change"}
 """Entries of a field of a message that change neither its bytes nor its meaning."""
 CONSTRUCTED: Final = ("Robot", "Twin", "Monitor", "BeatrixError")
 """Classes that programs construct; all other objects come from a method."""
+SYNTAX: Final = ("__enter__", "__iter__", "__next__")
+"""Methods behind `with` and `for`."""
 OURS: Final = frozenset(
     {
         *("Client", "Closable", "Robot.begin", "Robot.given_lease", "Robot.lease_number", "Robot.try_out"),
@@ -93,7 +95,8 @@ def members(name: str, kind: type) -> Iterator[str]:
     filled = type_arguments(kind)
     for member in sorted({*dir(kind)} - inherited):
         value = inspect.getattr_static(kind, member)
-        if member.startswith("_") or f"{name}.{member}" in OURS or owner(kind, member) is None:
+        hidden = member.startswith("_") and member not in SYNTAX
+        if hidden or f"{name}.{member}" in OURS or owner(kind, member) is None:
             continue
         if isinstance(value, property) and value.fget is not None:
             yield f"{name}.{member}: {value.fget.__annotations__['return']}"
@@ -208,7 +211,8 @@ def codes() -> Iterator[str]:
 
 def surface() -> list[str]:
     """Return all facts, sorted."""
-    return sorted({*sdk(), *contract(), *verbs(), *codes()})
+    names = (f"setting {name}: {settings.FILE}, BEATRIX_{name.upper()}" for name in settings.FIELDS)
+    return sorted({*sdk(), *contract(), *verbs(), *codes(), *names})
 
 
 def difference() -> list[str]:
