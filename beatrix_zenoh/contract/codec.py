@@ -60,7 +60,7 @@ def encode_request(request: msgspec.Struct) -> bytes:
     """Encode a request as msgpack without the fields that have their defaults: an older robot refuses new fields."""
     data = msgspec.to_builtins(request)
     for field in msgspec.structs.fields(request):
-        if getattr(request, field.name) == field.default:
+        if field.name != "yaw" and getattr(request, field.name) == field.default:  # a pose needs an angle
             del data[field.encode_name]
     packed: bytes = msgpack.packb(data, use_single_float=True)
     return packed

@@ -86,3 +86,7 @@ def test_an_older_robot_reads_requests_that_do_not_use_a_new_field() -> None:
         assert codec.decode(codec.encode_request(request), kind) == message
         with pytest.raises(Refused, match="`new`"):
             codec.decode(codec.encode_request(replace(request, new=0.6)), kind)
+
+
+def test_a_pose_straight_ahead_has_an_angle() -> None:
+    assert msgpack.unpackb(codec.encode_request(messages.PoseQuery())) == {"yaw": 0.0}
