@@ -207,4 +207,11 @@ before, so that what a process loads when it connects again is not called growth
         "".join(f"- {fault}\n" for fault in faults)
         or f"Nothing: no process grows by more than {GROWTH:.0%}.\n"
     )
-    return "".join([*parts, "\n## What is wrong\n\n", found])
+    meaning = f"""
+## What is wrong
+
+Memory that grows by more than {GROWTH:.0%} and {NOISE_MIB:.0f} MiB, more than {MORE} descriptors or threads in addition, and what has failed.
+A leak grows for as long as a process runs; memory that is used once and kept does not. A longer soak tells them apart.
+
+"""
+    return "".join([*parts, meaning, found])
