@@ -293,7 +293,7 @@ class Processes:
 def measure(soak: Soak, processes: Processes, total_s: float, book: soak_figures.Book) -> None:
     """Look at all processes until the time is over, and restart the router in between."""
     began_s, period_s = time.monotonic(), min(RESTART_S, total_s / 4)
-    due_s = min(soak_figures.WINDOW_S, total_s / 6) / 2
+    due_s = soak_figures.windows(total_s)[0][0] / 2
     while (at_s := time.monotonic() - began_s) < total_s:
         book.write(processes.pids(), at_s)
         if at_s >= due_s and total_s - at_s > 2 * BACK_S:

@@ -20,8 +20,10 @@ from bench_node import ROOT, cpu_s
 sys.path.append(str(ROOT / "tests/support"))
 from robots import children
 
+BEGIN_S: Final = 600.0
+"""Time (s) after which nothing may grow; before, histories and caches become full."""
 WINDOW_S: Final = 300.0
-"""Length of the two windows that are compared: the second five minutes, and the last five."""
+"""Length of the windows that are compared: after BEGIN_S, half way from there to the end, and at the end."""
 GROWTH: Final = 0.03
 """Largest share by which the memory of a process may grow; below NOISE_MIB nothing counts as growth."""
 NOISE_MIB: Final = 2.0
@@ -89,36 +91,43 @@ class Book:
                     self.looks.setdefault(called, []).append(seen)
 
     def rows(self, total_s: float) -> Iterator[Row]:
-        """Yield the comparison of each process that lived in both windows."""
-        window_s = min(WINDOW_S, total_s / 6)
+        """Yield the comparison of each process that lived in all windows."""
+        begins_s, lasts_s = windows(total_s)
         for name, looks in self.looks.items():
-            first = [one for one in looks if window_s <= one.at_s <= 2 * window_s]
-            last = [one for one in looks if one.at_s >= total_s - window_s]
-            if first and last:
-                yield Row.of(name, first, last)
+            parts = [[one for one in looks if begin <= one.at_s <= begin + lasts_s] for begin in begins_s]
+            if all(parts):
+                yield Row.of(name, parts)
+
+
+def windows(total_s: float) -> tuple[tuple[float, float, float], float]:
+    """Return when the windows begin and how long they are (s), for a soak of this length (s)."""
+    lasts_s, first_s = min(WINDOW_S, total_s / 6), min(BEGIN_S, total_s / 6)
+    last_s = total_s - lasts_s
+    return (first_s, (first_s + last_s) / 2, last_s), lasts_s
 
 
 @dataclass(frozen=True)
 class Row:
-    """A process in the first window and in the last."""
+    """A process in the windows: memory in all, the numbers in the first and the last."""
 
     name: str
-    rss_mib: tuple[float, float]
-    own_mib: tuple[float, float]
+    rss_mib: tuple[float, ...]
+    own_mib: tuple[float, ...]
     descriptors: tuple[int, int]
     threads: tuple[int, int]
     cpu: float
     """share of a core in the last window"""
 
     @classmethod
-    def of(cls, name: str, first: list[Look], last: list[Look]) -> Row:
+    def of(cls, name: str, parts: list[list[Look]]) -> Row:
         """Compare medians of memory and of the numbers."""
+        first, last = parts[0], parts[-1]
         pairs = [(early, late) for early, late in pairwise(last) if early.pid == late.pid]
         lasted_s = sum(late.at_s - early.at_s for early, late in pairs)
         return cls(
             name,
-            (median(one.rss_mib for one in first), median(one.rss_mib for one in last)),
-            (median(one.own_mib for one in first), median(one.own_mib for one in last)),
+            tuple(median(one.rss_mib for one in part) for part in parts),
+            tuple(median(one.own_mib for one in part) for part in parts),
             (median_high(one.descriptors for one in first), median_high(one.descriptors for one in last)),
             (median_high(one.threads for one in first), median_high(one.threads for one in last)),
             sum(late.cpu_s - early.cpu_s for early, late in pairs) / lasted_s if pairs else 0.0,
@@ -127,12 +136,12 @@ class Row:
     @property
     def growth(self) -> float:
         """Growth of the resident memory as a share."""
-        return self.rss_mib[1] / self.rss_mib[0] - 1
+        return self.rss_mib[-1] / self.rss_mib[0] - 1
 
     def faults(self) -> list[str]:
         """Return what grows, as sentences."""
         found = []
-        if self.growth > GROWTH and self.rss_mib[1] - self.rss_mib[0] > NOISE_MIB:
+        if self.growth > GROWTH and self.rss_mib[-1] - self.rss_mib[0] > NOISE_MIB:
             found.append(f"{self.name}: memory grows by {self.growth:.1%}")
         found += [
             f"{self.name}: {what} grow from {before} to {after}"
@@ -190,14 +199,14 @@ def page(
     hours: float,
 ) -> str:
     """Return the page: the processes, other tables (heads, rows), and what is wrong."""
-    window_min = min(WINDOW_S, hours * 600) / 60
+    (first_s, middle_s, last_s), lasts_s = windows(hours * 3600)
     head = f"""# Soak
 
 Written by `make soak`, never by hand. Both robots, a page with clients, recorders with and without pictures, random
 previews and commits, STOPs, and a router that is restarted. {hours:.2f} hours on {machine()}.
 
-Each pair of numbers compares the minutes {window_min:.1f} to {2 * window_min:.1f} with the last {window_min:.1f} (medians). The router is restarted once
-before, so that what a process loads when it connects again is not called growth.
+Memory is the median of {lasts_s / 60:.1f} minutes each from minute {first_s / 60:.1f}, {middle_s / 60:.1f} and {last_s / 60:.1f}; the other numbers compare the first with the last. The
+router is restarted once before, so that what a process loads when it connects again is not called growth.
 
 """
     parts = [head, table(HEADS, (row.cells() for row in rows))]
