@@ -64,11 +64,7 @@ def demo(
     a picture. The demo records both, and compares them as `beatrix compare` does. It needs no robot, no display and no
     network. The exit code is 1 if the movements differ or a file could not be written.
     """
-    lacking = [extra for extra, module in NEEDED.items() if util.find_spec(module) is None]
-    if lacking:
-        raise bad_value(
-            f"The demo needs {' and '.join(lacking)}. Run `beatrix install {' '.join(lacking)} rerun web`."
-        )
+    check_extras()
     make_folder(out)
     with signals_interrupt() as shutdown, Supervisor() as supervisor:
         settings = start(supervisor)
@@ -101,6 +97,15 @@ def demo(
             note(f"\nTo drive both robots yourself: {typed(beatrix(), 'up', '--hw', 'virtual:', '--gui')}")
     if not good:
         raise typer.Exit(FAILED)
+
+
+def check_extras() -> None:
+    """Raise Refused (BAD_VALUE) if a package is missing without which there are no robots."""
+    lacking = [extra for extra, module in NEEDED.items() if util.find_spec(module) is None]
+    if lacking:
+        raise bad_value(
+            f"The demo needs {' and '.join(lacking)}. Run `beatrix install {' '.join(lacking)} rerun web`."
+        )
 
 
 def make_folder(out: Path) -> None:
