@@ -75,16 +75,7 @@ def demo(
         if page is not None:
             keep = show_page(page) or keep
         recording = perform(supervisor, settings, out / PICTURE)
-        if recording is None:
-            good = True
-            if as_json:
-                print_json({"result": True, "message": "Both made the movement. It was not recorded."})
-        else:
-            with new_file(out / RECORDING) as unfinished:
-                shutil.copyfile(recording, unfinished)
-            good = compared(out, as_json=as_json)
-            note(f"\nThe recording: {typed('beatrix', 'view', str(out / RECORDING))}")
-            note(f"A picture of both robots: {out / PICTURE}")
+        good = show_result(recording, out, as_json=as_json)
         if keep or window is not None:
             supervisor.new_lines()  # discards the output so far, because the comparison contains its results
             with end_on_interrupt():
@@ -97,6 +88,20 @@ def demo(
             note(f"\nTo drive both robots yourself: {typed(beatrix(), 'up', '--hw', 'virtual:', '--gui')}")
     if not good:
         raise typer.Exit(FAILED)
+
+
+def show_result(recording: Path | None, out: Path, *, as_json: bool) -> bool:
+    """Keep recording and comparison in a folder, and print where they are; return whether both robots moved alike."""
+    if recording is None:
+        if as_json:
+            print_json({"result": True, "message": "Both made the movement. It was not recorded."})
+        return True
+    with new_file(out / RECORDING) as unfinished:
+        shutil.copyfile(recording, unfinished)
+    good = compared(out, as_json=as_json)
+    note(f"\nThe recording: {typed('beatrix', 'view', str(out / RECORDING))}")
+    note(f"A picture of both robots: {out / PICTURE}")
+    return good
 
 
 def check_extras() -> None:
