@@ -49,7 +49,7 @@ def model(
     """Write the robot for other programs: MJCF for MuJoCo, or URDF with meshes for ROS, Rerun and others.
 
     MJCF is the model of the simulation in one file, with closed loops and motors. URDF has no closed loops: the head turns
-    by three joints. docs/explanation/neck.md describes both.
+    by three joints. docs/how-to/model.md describes both.
     """
     if file.suffix not in (MJCF, URDF):
         raise typer.BadParameter(f"{file}: the name must end in {MJCF} (MJCF, for MuJoCo) or {URDF}.")
