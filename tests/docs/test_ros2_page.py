@@ -51,7 +51,8 @@ def decoded(payload: bytes) -> tuple[int, list[str], list[float]]:
 def test_the_program_publishes_joint_states_for_rmw_zenoh(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (program,) = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    text = PAGE.read_text(encoding="utf-8")
+    (program,) = re.findall(r"```python\n(# joint_states.py\n.*?)```", text, re.DOTALL)
     path = tmp_path / "joint_states.py"
     path.write_text(program, encoding="utf-8")
     monkeypatch.delenv("ROS_DOMAIN_ID", raising=False)
