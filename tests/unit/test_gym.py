@@ -6,6 +6,7 @@ import math
 import re
 import warnings
 from pathlib import Path
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -26,9 +27,17 @@ def test_gymnasium_finds_no_fault() -> None:
 
 
 def test_the_program_of_the_page_reaches_the_goal(capsys: pytest.CaptureFixture[str]) -> None:
-    (program,) = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
-    exec(program, {})
+    found: dict[str, Any] = {}
+    for program in re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL):
+        exec(program, found)
     assert capsys.readouterr().out == "there\n"
+    assert (found["seen"].shape, found["seen"].dtype) == ((4, 9), np.float32)
+
+
+def test_a_seed_repeats_an_episode() -> None:
+    env, nod = gym.HeadEnv(), np.array([0.5, 1.0, -0.5], np.float32)
+    one, other = ([env.reset(seed=3)[0], *(env.step(nod)[0] for _ in range(20))] for _ in range(2))
+    np.testing.assert_array_equal(one, other)
 
 
 @pytest.mark.parametrize("seed", range(5))
