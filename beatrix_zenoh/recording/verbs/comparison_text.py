@@ -13,14 +13,14 @@ from beatrix_zenoh.recording.compare import MOST, AxisDifference, Comparison, wh
 from beatrix_zenoh.recording.series import HOLE_S, regularity
 
 AXIS_HEADS = (
-    "hardware - simulation",
+    "hw - sim",
     "lag ms",
     "largest°",
     "rms°",
     "largest° after",
     "rms° after",
     "at rest°",
-    "mean at rest°",
+    "offset°",
 )
 SAMPLE_HEADS = (
     "robot",
