@@ -68,7 +68,7 @@ on one, please report what happens.
 
 ## What can be installed
 
-By extra of `beatrix install`, or of `pip install "beatrix-zenoh[EXTRA]"`. *yes*: wheels exist for {pythons}.
+By extra of `beatrix install`, or of `pip install ".[EXTRA]"` in the folder of BEATRIX. *yes*: wheels exist for {pythons}.
 
 {extras}
 
