@@ -101,7 +101,7 @@ class Path:
 
 
 class RobotInfo(Info, frozen=True, kw_only=True):
-    """The message Info, with limits and geometry in degrees, as in docs/reference/robot.md."""
+    """The message Info, with limits and geometry in degrees."""
 
     limits: LimitsData  # type: ignore[assignment]
     geometry: GeometryData | None = None  # type: ignore[assignment]
@@ -267,9 +267,9 @@ class Kinematics:
     """Inverse and forward kinematics of one robot; they need no connection. See `beatrix_zenoh.motion.kinematics`."""
 
     def __init__(self, info: RobotInfo) -> None:
-        self.geometry = info.geometry or ROBOT.geometry
+        self.geometry: GeometryData = info.geometry or ROBOT.geometry
         """Geometry of the neck (deg)"""
-        self.limits = info.limits
+        self.limits: LimitsData = info.limits
         """Limits of every motion (deg, deg/s, deg/s2); `inverse` and `forward` do not check them: see `Robot.preview`"""
         self._neck = Neck(self.geometry)
 
@@ -287,7 +287,7 @@ class Kinematics:
         """Return the orientation of the head (deg) for arm angles (deg).
 
         Raises:
-            BeatrixError: OUT_OF_REACH if the rods do not fit these arms.
+            BeatrixError: OUT_OF_REACH if the rods do not fit these arms; not Refused, because nothing was requested.
             WrongUsage: an angle is not a finite number.
         """
         arms = (to_rad("short", short), to_rad("middle", middle), to_rad("long", long))

@@ -37,7 +37,7 @@ NO_REPLY = (
 class Lease(ProcessBound, Closable):
     """A robot that this program has taken: `with robot.lease(): …`.
 
-    Motions carry the number of the lease, so that the robot refuses those of a lease that has ended.
+    Motions carry its number, so that the robot refuses those of a lease that has ended.
     """
 
     def __init__(
@@ -55,7 +55,8 @@ class Lease(ProcessBound, Closable):
         """
         self._robot = robot
         self._given = bool(robot.given_lease) and robot.lease_number == robot.given_lease
-        self.number = robot.given_lease
+        self.number: int = robot.given_lease
+        """Number of the lease, which motions carry."""
         if not self._given:
             action = LeaseAction.WAIT if wait_s > 0 else LeaseAction.TAKE
             self.number = take(

@@ -55,7 +55,8 @@ class Gap(NamedTuple):
 class Log(ProcessBound, Closable, Suggesting):
     """Positions (deg, deg/s) and events of a robot since the log began; the arrays exist when it has ended.
 
-    `t` is the time (s) since the first position by the robot's clock. The commanded angles of the head are computed
+    All arrays have the same shape (n,), one number for each position. `t` is the time (s) since the first position by the
+    robot's clock. The commanded angles of the head are computed
     from those of the arms; nan: the head cannot be there.
     """
 

@@ -47,9 +47,9 @@ class Motion(ProcessBound, Suggesting):
         dispatcher: Dispatcher,
     ) -> None:
         self._robot, self._replies, self._stop, self._dispatcher = robot, replies, stop, dispatcher
-        self.duration = accepted.duration
+        self.duration: float = accepted.duration
         """Announced duration (s)."""
-        self.accepted = accepted
+        self.accepted: MotionReply = accepted
         """The robot's first reply: number of the motion and the goal of the arms."""
         self._lost_s = time.monotonic() + self.duration + MARGIN_S
         self._reading = threading.Lock()
@@ -216,6 +216,7 @@ class Movable(Suggesting, Generic[MotionT, PreviewT]):
         up turns, wait for each; or count the angles yourself and send them without relative.
 
         Raises:
+            WrongUsage: BAD_VALUE: an argument is not a finite number, or not a bool.
             Refused: the robot refused the motion; the error has the reason and, if there is one, an alternative.
             NoAnswer: the robot or the router is not online, or does not answer.
             Interrupted: the motion was stopped or replaced, or the robot ended it for another reason.

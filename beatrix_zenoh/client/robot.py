@@ -103,7 +103,7 @@ class Robot(RobotWithRoom, Movable[Motion, Preview]):
         self.command(Command.RESET)
 
     def home(self) -> None:
-        """Move all arms home and wait; raises the errors of `move`."""
+        """Move all arms home and wait; raises Refused, NoAnswer or Interrupted as `look`."""
         self.move(0, 0, 0)
 
     def stop(self) -> CommandReply:
@@ -149,7 +149,7 @@ class Robot(RobotWithRoom, Movable[Motion, Preview]):
         return accepted(ask(self.client, (self.name, "sim"), key, query, CommandReply, self.timeout_s))
 
     def kinematics(self) -> Kinematics:
-        """Query geometry and limits of the robot, and return its kinematics in degrees; raises the errors of `info`."""
+        """Query geometry and limits of the robot, and return its kinematics in degrees; raises NoAnswer."""
         return Kinematics(self.info())
 
     # -- motions --------------------------------------------------------------------------------

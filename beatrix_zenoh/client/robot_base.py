@@ -115,17 +115,17 @@ class RobotBase(ProcessBound, Closable, Suggesting):
         return reading(self._read(keys.positions, Positions))
 
     def status(self) -> RobotStatus:
-        """Query the status: enabled, calibrated, holder, faults and more; raises the errors of `positions`."""
+        """Query the status: enabled, calibrated, holder, faults and more; raises NoAnswer as `positions`."""
         return self._read(keys.status, RobotStatus)
 
     def info(self) -> RobotInfo:
-        """Query versions, limits and geometry (deg) and keys of the robot; raises the errors of `positions`."""
+        """Query versions, limits and geometry (deg) and keys of the robot; raises NoAnswer as `positions`."""
         return robot_info(self._read(keys.info, Info))
 
     def log(self) -> Log:
         """Record positions and events from now until the end of its `with` block; then it has them as arrays.
 
-        At most 30 minutes; older positions are dropped and counted. Raises the errors of `positions`.
+        At most 30 minutes; older positions are dropped and counted. Raises NoAnswer as `positions`.
         """
         from beatrix_zenoh.client.log import Log  # noqa: PLC0415 - numpy would delay every verb
 
@@ -179,7 +179,7 @@ class RobotBase(ProcessBound, Closable, Suggesting):
             return blocks.listen(seconds)
 
     def past_events(self) -> list[Event]:
-        """Query the newest events of the robot, at most 200, oldest first; raises the errors of `positions`."""
+        """Query the newest events of the robot, at most 200, oldest first; raises NoAnswer as `positions`."""
         return self._read(keys.events, Events).events
 
     def close(self) -> None:

@@ -202,7 +202,7 @@ class Microphones(Subscription[Sound]):
 
         Raises:
             NoAnswer: TIMED_OUT, no block arrived for the time limit of the subscription, or blocks with impossible times.
-            WrongUsage: BAD_VALUE, `seconds` is not above 0, or above LONGEST_S.
+            WrongUsage: BAD_VALUE, `seconds` is not above 0, or above 60.
         """
         if not 0 < checked_number("seconds", seconds, "s") <= LONGEST_S:
             text = f"seconds is {seconds:g}: give more than 0, at most {LONGEST_S:g} s; for longer, iterate over robot.microphones()."

@@ -132,7 +132,7 @@ class Subscription(ProcessBound, Closable, Suggesting, Generic[T]):
         """
         self._client, self._key, self._timeout_s = client, key, timeout_s
         self._reader = read
-        self.dropped = 0
+        self.dropped: int = 0
         """Number of publications that were dropped because they were not read in time."""
         self._dropped_keys: Counter[str] = Counter()
         self._waiting: deque[Received] = deque(maxlen=length)

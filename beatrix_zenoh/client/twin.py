@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from beatrix_zenoh.bus import ProcessBound
 from beatrix_zenoh.client.degrees import (
+    Path,
     Reading,
     Speed,
     checked_seconds,
@@ -65,14 +66,14 @@ class Plan(ProcessBound):
         """Store a preview from `start`; `during` is the motion of the same Twin at that time, None at rest."""
         self._twin, self._query = twin, query
         self._start, self._during = start, during
-        self.duration = preview.duration
+        self.duration: float = preview.duration
         """Time (s) from the start of the motion until the arms rest."""
-        self.verdict = preview.message
+        self.verdict: str = preview.message
         """The result of the preview in a sentence, and whether it holds for the hardware."""
         apart = distance(start)
-        self.apart = apart if apart > SAME_DEG else 0.0
+        self.apart: float = apart if apart > SAME_DEG else 0.0
         """Distance (deg) of the hardware from the simulation at the preview; 0 if they stood at the same position."""
-        self.alike = alike
+        self.alike: bool = alike
         """Whether simulation and hardware run with the same values, so that the preview holds for the hardware."""
         if self.apart:
             self.verdict += (
@@ -80,7 +81,8 @@ class Plan(ProcessBound):
             )
         if not alike:
             self.verdict += UNLIKE
-        self.path = preview_of(preview).path
+        self.path: Path = preview_of(preview).path
+        """Times (s), arms and head (deg) of the previewed motion."""
         self._settled = ""
         self._motion: TwinMotion | None = None
 
@@ -237,7 +239,7 @@ class Twin(ProcessBound, Closable, Movable[TwinMotion, Plan]):
         relative: bool = False,
         speed: Speed | None = None,
     ) -> Plan:
-        """Preview an arm motion (deg, deg/s; see `Robot.move`); raises the errors of `preview`."""
+        """Preview an arm motion (deg, deg/s; see `Robot.move`); raises WrongUsage, Refused or NoAnswer as `preview`."""
         return self.preview_query(motion_query(short, middle, long, relative=relative, speed=speed))
 
     def preview_query(self, query: MotionQuery | PoseQuery) -> Plan:

@@ -82,7 +82,7 @@ class TwinMotion(ProcessBound, Suggesting):
 
     def __init__(self, sim: Robot, hw: Robot, query: MotionQuery | PoseQuery, lead_s: float = 0.0) -> None:
         self._sim, self._hw, self._query = sim, hw, replace(query, lead=lead_s)
-        self.lead_s = lead_s
+        self.lead_s: float = lead_s
         """Seconds by which the hardware begins later than the simulation."""
         self.lag_s: float | None = None
         """Lag of the hardware behind the simulation (s), from published positions.

@@ -18,8 +18,6 @@ QUOTED = 60
 class BeatrixError(Exception):
     """Base class of all errors of this package.
 
-    `reason` is an entry of the contract's table of reasons and `detail` its data, if any (rad, as in messages).
-    `message` is the sentence for the user, the same in SDK, command line, window and replies.
     `beatrix_zenoh.suggestion(error)` returns the alternative in degrees.
     """
 
@@ -27,9 +25,12 @@ class BeatrixError(Exception):
         """Make the sentence from reason and detail if no message is given."""
         message = message or sentences.render(reason, detail)
         super().__init__(message)
-        self.reason = reason
-        self.message = message
-        self.detail = detail
+        self.reason: Reason = reason
+        """An entry of the contract's table of reasons."""
+        self.message: str = message
+        """The sentence for the user, the same in SDK, command line, window and replies."""
+        self.detail: Detail | None = detail
+        """The data of the reason, if any (rad, as in messages)."""
 
     @property
     def data(self) -> dict[str, object]:
@@ -66,7 +67,7 @@ class Interrupted(BeatrixError):
 
 
 class NoAnswer(BeatrixError):
-    """A request or connection without an answer; `reason` is the cause, explained in docs/how-to/no-answer.md."""
+    """A request or connection without an answer; `reason` is the cause."""
 
 
 @contextmanager
