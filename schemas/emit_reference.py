@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 from compiled import MEANING, compiled
 from contract import Contract, rows
 
@@ -17,6 +19,14 @@ def table(head: list[str], lines: list[list[object]]) -> str:
     return out + "".join("| " + " | ".join(cell(value) for value in line) + " |\n" for line in lines)
 
 
+def link(contract: Contract, text: object, page: str = "") -> str:
+    """Return a text in which each message and enumeration links to its table in messages.md."""
+    tables = {*contract.messages["message"], *contract.messages["enum"]}
+    return " ".join(
+        f"[{word}]({page}#{word.lower()})" if word in tables else word for word in str(text).split()
+    )
+
+
 def messages(contract: Contract) -> str:
     out = NOTE.format(source="messages.toml") + "# Messages\n\n"
     out += f"Contract `{contract.bus_hash:08x}`. SI units. A message is a msgpack map or a JSON object; its keys are the names of the fields below. Floats in msgpack have single precision; requests may also have double precision.\n\n"
@@ -28,11 +38,11 @@ def messages(contract: Contract) -> str:
         out += f"\n## {name}\n\n{message['doc']}{request}\n\n"
         lines: list[list[object]] = []
         for field, row in rows(message).items():
-            kind = f"list of {row['type']}" if row.get("list") else row["type"]
-            default = f"default {row['default']}" if "default" in row else ""
+            kind = link(contract, f"list of {row['type']}" if row.get("list") else row["type"])
+            default = f"`{json.dumps(row['default'])}`" if "default" in row else ""
             default = "may be missing" if row.get("optional") else default
             lines.append([f"`{row.get('wire', field)}`", kind, row.get("unit", ""), default, row["doc"]])
-        out += table(["field", "type", "unit", "", "meaning"], lines)
+        out += table(["field", "type", "unit", "default", "meaning"], lines)
     out += "\n## Commands\n\n"
     out += table(
         ["code", "name", "value", "meaning"],
@@ -51,21 +61,19 @@ def messages(contract: Contract) -> str:
 def keys(contract: Contract) -> str:
     out = (
         NOTE.format(source="keys.toml")
-        + "# Key expressions\n\n`{robot}` and `{who}` are `[a-z0-9-]{1,32}`, `{side}` is `hw` or `sim`, `{arm}` is `short`, `middle` or `long`, `{eye}` is `left`, `right` or, of simulations only, `outside`.\n\n"
+        + "# Key expressions\n\n`{robot}` and `{who}` are `[a-z0-9-]{1,32}`, `{side}` is `hw` or `sim`, `{arm}` is `short`, `middle` or `long`, `{eye}` is `left`, `right` or, of simulations only, `outside`.\n"
     )
-    lines: list[list[object]] = [
-        [
-            f"`{r['key']}`",
-            r["kind"],
-            r["payload"],
-            r["reply"],
-            r.get("rate_hz", ""),
-            r.get("priority", "data"),
-            r["doc"],
+    for name, row in contract.keys.items():
+        facts = [f"Kind: {row['kind']}"]
+        facts += [
+            f"{fact}: {link(contract, row[fact], 'messages.md')}"
+            for fact in ("payload", "reply")
+            if row[fact]
         ]
-        for r in contract.keys.values()
-    ]
-    return out + table(["key", "kind", "payload", "reply", "Hz", "priority", "meaning"], lines)
+        facts += [f"{row['rate_hz']} Hz"] if "rate_hz" in row else []
+        facts.append(f"priority: {row.get('priority', 'data')}")
+        out += f"\n## {name.replace('_', ' ')}\n\n`{row['key']}`\n\n{row['doc']}\n\n{'; '.join(facts)}.\n"
+    return out
 
 
 RULES = """## Rules for a host

@@ -246,7 +246,7 @@ class Sample(Struct, frozen=True, kw_only=True):
 
 
 class Vector3(Struct, frozen=True, forbid_unknown_fields=True):
-    """One number for each arm: x = short, y = middle, z = long; counter-clockwise from above is positive."""
+    """One number for each arm, in the unit of the field that has it: x = short, y = middle, z = long; counter-clockwise from above is positive."""
 
     x: Annotated[Float32, ValueRow(title="short")]
     """short arm"""
