@@ -84,6 +84,7 @@ generate: ## write all files that are generated from schemas/*.toml
 	$(BIN)/python schemas/generate.py
 
 docs: generate ## write reference pages and generated tables, and check links between pages
+	$(BIN)/python tools/commands_page.py
 	$(BIN)/python tools/neck_page.py
 	$(BIN)/python tools/robot_drawings.py
 	$(BIN)/python tools/links.py

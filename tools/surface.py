@@ -175,9 +175,22 @@ def contract() -> Iterator[str]:
 
 
 def verbs() -> Iterator[str]:
-    """Yield the verbs with their arguments and options, also of verbs that another package serves."""
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    processes: dict[str, str] = project["entry-points"]["beatrix.processes"]
+    """Yield the verbs with their arguments and options, and the extras."""
+    yield from options("beatrix", root())
+    yield from (f"extra {name}" for name in project()["optional-dependencies"])
+
+
+def project() -> dict[str, typing.Any]:
+    """Return the table of the package in pyproject.toml."""
+    table: dict[str, typing.Any] = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))[
+        "project"
+    ]
+    return table
+
+
+def root() -> typing.Any:
+    """Return the command `beatrix` with all verbs, also those that another package serves."""
+    processes: dict[str, str] = project()["entry-points"]["beatrix.processes"]
     command = typer.main.get_command(
         application(["", "look"])
     )  # no verb is the first word: it has all of them
@@ -185,8 +198,7 @@ def verbs() -> Iterator[str]:
         app = typer.Typer(add_completion=False)
         app.command()(getattr(importlib.import_module(place.partition(":")[0]), name))
         vars(command)["commands"][name] = typer.main.get_command(app)
-    yield from options("beatrix", command)
-    yield from (f"extra {name}" for name in project["optional-dependencies"])
+    return command
 
 
 def options(verb: str, command: object) -> Iterator[str]:
