@@ -39,7 +39,7 @@ OURS: Final = frozenset(
     {
         *("Client", "Closable", "Robot.begin", "Robot.given_lease", "Robot.lease_number", "Robot.try_out"),
         *("Robot.preview_query", "Twin.preview_query", "Twin.start", "Twin.check_ready"),
-        *("TwinMotion.end", "TwinMotion.prepare", "TwinMotion.start"),
+        *("TwinMotion.end", "TwinMotion.hold", "TwinMotion.prepare", "TwinMotion.start"),
     }
 )
 """Classes without their members, and members, for other packages of BEATRIX: they may change in any version."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 import tomllib
 from collections.abc import Iterator
 from operator import attrgetter
@@ -17,7 +18,12 @@ from sphinx.util import logging
 from sphinx.util.inspect import signature, stringify_signature
 from sphinx.util.matching import patfilter
 
+import beatrix_zenoh
+
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.append(str(ROOT / "tools"))
+import surface  # noqa: E402
+
 FRONT = "docs/README"
 CHAPTERS = {
     "Try it": [
@@ -37,7 +43,12 @@ CHAPTERS = {
     "Build": ["docs/how-to/build", "docs/how-to/board", "docs/how-to/cameras", "docs/how-to/microphones"],
     "Mend": ["docs/how-to/what-can-go-wrong", "docs/how-to/no-answer"],
     "How to": ["docs/how-to/README", "docs/how-to/*"],
-    "Look up": ["docs/reference/README", "docs/reference/python", "docs/reference/*"],
+    "Look up": [
+        "docs/reference/README",
+        "docs/reference/python",
+        "docs/reference/commands",
+        "docs/reference/*",
+    ],
     "Understand": [
         "docs/explanation/architecture",
         "docs/explanation/[!d]*",
@@ -47,13 +58,14 @@ CHAPTERS = {
     "Deutsch": ["docs/README.de", "docs/tutorial/first-steps.de"],
 }
 """The chapters of the site and their pages in docs/; a pattern adds the pages that are not listed before it."""
-CONSTRUCTED = [f"beatrix_zenoh.{name}" for name in ("Robot", "Twin", "Monitor")]
-API = re.compile(r"^<!-- api: (.+?) -->$", re.MULTILINE)
+API = re.compile(r"^<!-- api: (.+?)(?:\n((?:.+\n)+))? ?-->$", re.MULTILINE)
+"""Names to document; the lines after a class are tasks, each with the methods that stand first, under its title."""
+REPOSITORY = re.compile(r"^.*<!-- repository -->\n", re.MULTILINE)
+"""A line for readers who see the files, not the site."""
 EXAMPLE = re.compile(r"^(\S.*)\n\n(?= {4}\S)", re.MULTILINE)
 """The paragraph before an indented program, which reStructuredText would take for a quotation."""
 BASES = "Struct, tuple, str, Exception, BaseException, Status, Info, FrameHeader, SoundHeader, Sample"
 """Classes whose members are described elsewhere: those of Python, and the messages."""
-OPTIONS = f"   :members:\n   :undoc-members:\n   :inherited-members: {BASES}\n"
 GENERATED = "beatrix_zenoh.contract._generated."
 ELSEWHERE = {
     "messages.Command": "messages#commands",
@@ -79,7 +91,7 @@ nitpick_ignore_regex = [
     (r"py:.*", r"(?!beatrix_zenoh\.).*"),
     (
         r"py:.*",
-        r".*\.(T|T_co|MotionT|PreviewT|Client|Faults|TwinReplies|PlanPosition)",
+        r".*\.(T|T_co|MotionT|PreviewT|Client)",
     ),  # of no use to programs
 ]
 
@@ -104,7 +116,7 @@ html_theme_options = {"navigation_with_keys": True}
 
 def complete(app: Sphinx, page: str, source: list[str]) -> None:
     """Add the chapters to the front page, and the documentation of each class to the page that names it."""
-    source[0] = API.sub(api, source[0])
+    source[0] = API.sub(api, REPOSITORY.sub("", source[0]))
     if page == FRONT:
         source[0] += "".join(chapters(app))
 
@@ -122,12 +134,28 @@ def chapters(app: Sphinx) -> Iterator[str]:
 def api(found: re.Match[str]) -> str:
     """Return the directives that document these names."""
     entries = [
-        f".. autofunction:: {name}"
-        if name.rpartition(".")[2].islower()
-        else f".. autoclass:: {name}\n{OPTIONS}"
+        f".. autofunction:: {name}" if name.rpartition(".")[2].islower() else entry(name, found[2] or "")
         for name in found[1].split()
     ]
     return "```{eval-rst}\n" + "\n\n".join(entries) + "\n```"
+
+
+def entry(path: str, tasks: str) -> str:
+    """Return the directive of a class: its methods by task, then all other members that programs use."""
+    name = path.rpartition(".")[2]
+    groups = [
+        (title, methods.split()) for title, _, methods in (row.partition(":") for row in tasks.splitlines())
+    ]
+    hidden = [one.partition(".")[2] for one in surface.OURS if one.startswith(f"{name}.")]
+    listed = [method for _, methods in groups for method in methods]
+    public = any(base.__name__ in beatrix_zenoh.__all__ for base in surface.classes()[name].__bases__)
+    text = f".. autoclass:: {path}\n   :members:\n   :undoc-members:\n"
+    text += "   :show-inheritance:\n" if public else f"   :inherited-members: {BASES}\n"
+    text += f"   :exclude-members: {', '.join([*hidden, *listed])}\n"
+    for title, methods in groups:
+        text += f"\n   .. rubric:: {title}\n"
+        text += "".join(f"\n   .. automethod:: {path}.{method}\n" for method in methods)
+    return text
 
 
 def docstring(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
@@ -146,10 +174,20 @@ def docstring(app: Sphinx, what: str, name: str, thing: object, options: object,
 def constructor(
     app: Sphinx, what: str, name: str, thing: object, options: object, text: str, returns: str
 ) -> tuple[str, str] | None:
-    """Return the arguments of classes that programs construct; other classes come from a call and show none."""
+    """Return the arguments of classes that programs construct; other classes come from a call and show none.
+
+    In a method, replace type variables by the types for which they stand, such as Motion for MotionT.
+    """
+    if what == "method":
+        classes = surface.classes()
+        types = surface.type_arguments(classes[name.split(".")[-2]])
+        filled = {variable: classes[kind] for variable, kind in types.items() if kind in classes}
+        for variable, kind in filled.items():
+            returns = re.sub(rf"~?[\w.]*\b{variable}\b", f"~{kind.__module__}.{kind.__name__}", returns or "")
+        return text, returns
     if what not in ("class", "exception"):
         return None
-    if name not in CONSTRUCTED:
+    if name.rpartition(".")[2] not in surface.CONSTRUCTED:
         return "", ""
     return stringify_signature(
         signature(attrgetter("__init__")(thing), bound_method=True),
