@@ -86,6 +86,7 @@ generate: ## write all files that are generated from schemas/*.toml
 docs: generate ## write reference pages and generated tables, and check links between pages
 	$(BIN)/python tools/commands_page.py
 	$(BIN)/python tools/neck_page.py
+	$(BIN)/python tools/lesson_table.py
 	$(BIN)/python tools/robot_drawings.py
 	$(BIN)/python tools/links.py
 

@@ -79,7 +79,7 @@ html_title = f"BEATRIX {version}"
 
 extensions = ["myst_parser", "sphinx.ext.autodoc"]
 root_doc = FRONT
-include_patterns = ["docs/**", "*.md", "tests/README.md"]
+include_patterns = ["docs/**", "*.md", "tests/README.md", "beatrix_zenoh/lessons/library/*/*.md"]
 exclude_patterns = ["build", ".venv", ".git"]
 myst_heading_anchors = 4  # as GitHub numbers them, so that links work on both
 suppress_warnings = [
@@ -117,6 +117,8 @@ html_theme_options = {"navigation_with_keys": True}
 def complete(app: Sphinx, page: str, source: list[str]) -> None:
     """Add the chapters to the front page, and the documentation of each class to the page that names it."""
     source[0] = API.sub(api, REPOSITORY.sub("", source[0]))
+    if page.startswith("beatrix_zenoh/"):
+        source[0] = f"[All lessons](/docs/lessons/README.md)\n\n{source[0]}"
     if page == FRONT:
         source[0] += "".join(chapters(app))
 
