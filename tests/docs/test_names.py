@@ -73,6 +73,17 @@ def test_each_reason_has_a_cure() -> None:
     assert [reason for reason in Reason if f"`{reason}`" not in text] == [Reason.OK]
 
 
+def test_german_sentences_of_the_pages_are_sentences_of_the_catalogue() -> None:
+    files = ("beatrix_zenoh/contract/sentences/de.toml", "gui/console/texts/de.toml")
+    catalogue = " ".join((ROOT / file).read_text(encoding="utf-8") for file in files)
+    pages = [ROOT / "docs/how-to" / name for name in ("what-can-go-wrong.md", "no-answer.md")]
+    text = " ".join(page.read_text(encoding="utf-8") for page in pages)
+    cells = re.findall(r"<br>(\*.+?) ?(?:<br>|\|)", text)
+    assert len(cells) > 20
+    parts = [part.strip() for cell in cells for part in re.split(r"\*, \*|[*…]", cell)]
+    assert [part for part in parts if part not in catalogue] == []
+
+
 def test_changes_of_the_newest_version_are_one_line_each() -> None:
     newest = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").split("\n## ")[1]
     lines = newest.splitlines()[1:]

@@ -62,6 +62,8 @@ API = re.compile(r"^<!-- api: (.+?)(?:\n((?:.+\n)+))? ?-->$", re.MULTILINE)
 """Names to document; the lines after a class are tasks, each with the methods that stand first, under its title."""
 REPOSITORY = re.compile(r"^.*<!-- repository -->\n", re.MULTILINE)
 """A line for readers who see the files, not the site."""
+SEARCHED = re.compile(r"^<!-- search: (.+) -->$", re.MULTILINE)
+"""Words for which a search shows this place first, separated by commas."""
 EXAMPLE = re.compile(r"^(\S.*)\n\n(?= {4}\S)", re.MULTILINE)
 """The paragraph before an indented program, which reStructuredText would take for a quotation."""
 BASES = "Struct, tuple, str, Exception, BaseException, Status, Info, FrameHeader, SoundHeader, Sample"
@@ -117,6 +119,7 @@ html_theme_options = {"navigation_with_keys": True}
 def complete(app: Sphinx, page: str, source: list[str]) -> None:
     """Add the chapters to the front page, and the documentation of each class to the page that names it."""
     source[0] = API.sub(api, REPOSITORY.sub("", source[0]))
+    source[0] = SEARCHED.sub(r"```{index} \1\n```", source[0])
     if page.startswith("beatrix_zenoh/"):
         source[0] = f"[All lessons](/docs/lessons/README.md)\n\n{source[0]}"
     if page == FRONT:
