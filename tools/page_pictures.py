@@ -21,6 +21,8 @@ from bench_node import ROOT, Served, free_endpoint
 from browser import Browser
 from web_client import serving
 
+from beatrix_zenoh.lesson_files import LIBRARY
+
 NAME: Final = "bea1"
 LAPTOP: Final = (1366, 768)
 PHONE: Final = (390, 844)
@@ -108,6 +110,19 @@ def blocks(page: Browser, file: Path) -> None:
     page.click("#tabs [data-tab=drive]")
 
 
+def lesson(page: Browser, file: Path) -> None:
+    """Run the solution of the first lesson, and draw what the check says."""
+    solution = json.dumps((LIBRARY / "01-hello/solution.json").read_text(encoding="utf-8"))
+    chosen = "document.querySelector('#block-programs').selectedOptions[0]?.text"
+    page.click("#tabs [data-tab=lessons]")
+    page.wait(lambda: bool(page.run(f"{chosen} === '01-hello'")), "the lesson")
+    page.run(f"Blockly.serialization.workspaces.load(JSON.parse({solution}), Blockly.getMainWorkspace())")
+    page.click("#block-run")
+    page.wait(lambda: page.text("#lesson-check").startswith("Passed"), "the check")
+    page.picture(file)
+    page.click("#tabs [data-tab=drive]")
+
+
 def phone(page: Browser, file: Path) -> None:
     """Ask for a motion beyond the limits in German, and draw the refusal."""
     choose(page, "#language", "de")
@@ -138,6 +153,7 @@ def draw(endpoint: str, profile: Path, folder: Path) -> None:
         page.wait(lambda: "motors off" in page.text("#pills"), "the page")
         laptop(page, folder / "web-page.png")
         blocks(page, folder / "web-page-blocks.png")
+        lesson(page, folder / "web-page-lesson.png")
         phone(page, folder / "web-page-phone.png")
 
 

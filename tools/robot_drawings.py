@@ -18,13 +18,15 @@ from beatrix_zenoh.motion.rotation import Vector
 
 IMAGES: Final = Path(__file__).resolve().parent.parent / "docs/images"
 SIZE: Final = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {0} {1}" width="{0}" height="{1}" \
-font-family="sans-serif" font-size="15" fill="#222" stroke-linecap="round" stroke-linejoin="round">
-<title>{2}</title>
+font-family="sans-serif" font-size="{2}" fill="#222" stroke-linecap="round" stroke-linejoin="round">
+<title>{3}</title>
 <rect width="{0}" height="{1}" fill="#fff"/>
 """
 JUMPERS: Final = {1: "", 2: "MS1", 4: "MS2", 8: "MS1 MS2", 16: "MS1 MS2 MS3"}
 """Jumpers of an A4988 by microsteps for a full step (table of its data sheet)."""
 DRIVERS: Final = "XYZ"
+OUTPUTS: Final = ("2B", "2A", "1A", "1B")
+"""Outputs of an A4988 in the order of its pins: a coil each for 2 and 1."""
 BOLD: Final = 'font-weight="bold"'
 RED, BLACK, GREY = "#c62828", "#222", "#777"
 
@@ -52,65 +54,59 @@ def wiring() -> str:
     """Return the drawing of computer, Mega, shield, drivers, motors and power, with all pins."""
     parts = [
         SIZE.format(
-            980, 640, "Wiring: Arduino Mega 2560, CNC shield, three A4988 drivers, three motors, power"
+            760, 940, 22, "Wiring: Arduino Mega 2560, CNC shield, three A4988 drivers, three motors, power"
         )
     ]
-    parts += [line([(150, 150), (230, 150)], GREY, 6), text(160, 138, "USB")]
-    parts += [
-        box(30, 110, (120, 80), "#eceff1"),
-        text(52, 146, "Computer", BOLD),
-        text(52, 168, "beatrix hw"),
-    ]
-    parts += [
-        box(30, 270, (130, 64), "#eceff1"),
-        text(44, 298, "Two cameras", BOLD),
-        text(44, 319, "in the skull"),
-    ]
-    parts += [line([(90, 270), (90, 190)], GREY, 6), text(102, 236, "USB")]
-    parts += [
-        box(230, 60, (130, 480), "#d7ebee"),
-        text(250, 90, "Arduino", BOLD),
-        text(250, 110, "Mega 2560", BOLD),
-    ]
-    parts += [box(440, 60, (250, 480), "#f4e9ea"), text(460, 90, "CNC shield, on the Mega", BOLD)]
+    parts += [box(20, 20, (190, 80), "#eceff1"), text(36, 52, "Computer", BOLD), text(36, 82, "beatrix hw")]
+    parts += [box(330, 20, (320, 80), "#eceff1"), text(346, 52, "Cameras, microphones", BOLD)]
+    parts += [text(346, 82, "in the skull")]
+    parts += [line([(210, 60), (330, 60)], GREY, 6), text(240, 48, "USB")]
+    parts += [line([(95, 100), (95, 150)], GREY, 6), text(112, 134, "USB")]
+    parts += [box(20, 150, (150, 600), "#d7ebee"), text(36, 184, "Arduino", BOLD)]
+    parts += [text(36, 212, "Mega", BOLD), text(36, 240, "2560", BOLD)]
+    parts += [box(230, 150, (310, 600), "#f4e9ea"), text(246, 184, "CNC shield", BOLD)]
+    parts += [text(620, 184, "NEMA 17", BOLD)]
     for index in range(len(ARMS)):
         parts += driver(index)
-    enable = ROBOT.pins.enable
-    parts += [pin(enable, "enable of all: low = on", 492)]
-    parts += [box(440, 575, (250, 50), "#eceff1"), text(460, 606, "Power supply, 12 V DC", BOLD)]
-    parts += [line([(520, 575), (520, 540)], RED, 5), line([(600, 575), (600, 540)], BLACK, 5)]
-    parts += [text(532, 564, "+", BOLD), text(612, 564, "&#8722;", BOLD)]
-    parts += [
-        text(30, 566, "USB alone runs the firmware,"),
-        text(30, 586, "not the motors. Never plug a"),
-        text(30, 606, "motor in or out under power."),
-    ]
+    parts += [pin(ROBOT.pins.enable, "enable of all: low = on", 710)]
+    parts += [line([(290, 750), (290, 860)], RED, 5), line([(480, 750), (480, 860)], BLACK, 5)]
+    parts += [box(245, 778, (146, 46), "#fff"), text(256, 809, "switch, fuse"), text(306, 852, "+", BOLD)]
+    parts += [text(494, 852, "&#8722;", BOLD)]
+    parts += [box(230, 860, (310, 60), "#eceff1"), text(246, 898, "Power supply, 12 V DC", BOLD)]
+    notes = (
+        "USB alone runs",
+        "the firmware, not",
+        "the motors. Never",
+        "plug a motor in or",
+        "out under power.",
+    )
+    parts += [text(20, 790 + 28 * row, note) for row, note in enumerate(notes)]
     return "".join(parts) + "</svg>\n"
 
 
 def pin(number: int, words: str, y: float) -> str:
     """Return a pin of the Mega and its line to the shield at a height (px)."""
-    label = text(336, y + 5, str(number), f'{BOLD} text-anchor="middle"')
-    return label + line([(360, y), (440, y)], GREY, 2) + text(452, y + 5, words, 'font-size="13"')
+    label = text(156, y + 8, str(number), f'{BOLD} text-anchor="end"')
+    return label + line([(170, y), (230, y)], GREY, 2) + text(240, y + 8, words)
 
 
 def driver(index: int) -> Iterator[str]:
-    """Yield the parts of one driver: its pins, its socket with jumpers, its motor and the wires between them."""
-    (name, colour), axis, top = list(ARMS.items())[index], DRIVERS[index], 120 + 118 * index
-    fill, drive = hexadecimal(colour), ROBOT.drive
-    yield pin(ROBOT.pins.step[index], f"{axis} step", top + 20)
-    yield pin(ROBOT.pins.dir[index], f"{axis} direction", top + 50)
-    yield box(560, top, (110, 84), "#fff", f'stroke="{fill}" stroke-width="3"')
-    yield text(572, top + 24, f"A4988, {axis}", BOLD)
-    yield text(572, top + 48, "jumpers on", 'font-size="13"')
-    yield text(572, top + 68, JUMPERS[drive.microsteps] or "none", f'{BOLD} font-size="13"')
-    for wire in range(4):
-        yield line([(670, top + 21 + 14 * wire), (780, top + 21 + 14 * wire)], fill, 2.5)
-    yield box(780, top, (84, 84), hexadecimal(COLOURS.metal))
-    yield f'<circle cx="822" cy="{top + 42}" r="20" fill="{fill}"/>\n'
-    yield text(876, top + 32, f"{name} arm", BOLD)
-    yield text(876, top + 54, "NEMA 17", 'font-size="13"')
-    yield text(876, top + 74, f"{drive.full_steps} steps", 'font-size="13"')
+    """Yield the parts of one driver: its pins, its socket with jumpers, its motor and the wires of both coils."""
+    (name, colour), axis, top = list(ARMS.items())[index], DRIVERS[index], 210 + 160 * index
+    fill, jumpers = hexadecimal(colour), JUMPERS[ROBOT.drive.microsteps]
+    yield pin(ROBOT.pins.step[index], f"{axis} step", top + 70)
+    yield pin(ROBOT.pins.dir[index], f"{axis} direction", top + 105)
+    yield box(384, top, (146, 124), "#fff", f'stroke="{fill}" stroke-width="3"')
+    yield text(396, top + 30, f"A4988, {axis}", BOLD)
+    yield text(396, top + 72, "jumpers on")
+    yield text(396, top + 100, jumpers or "none", BOLD)
+    for wire, output in enumerate(OUTPUTS):
+        y = top + 20 + 24 * wire + 12 * (wire > 1)
+        yield text(544, y + 6, output, 'font-size="17"')
+        yield line([(570, y), (620, y)], fill, 2.5)
+    yield box(620, top, (124, 124), hexadecimal(COLOURS.metal))
+    yield f'<circle cx="682" cy="{top + 48}" r="30" fill="{fill}"/>\n'
+    yield text(682, top + 110, name, f'{BOLD} text-anchor="middle"')
 
 
 # -- parts ------------------------------------------------------------------------------------------
@@ -123,6 +119,8 @@ FROM: Final = math.radians(14.0)
 """Direction of the view: azimuth from the robot's front towards its left (rad)."""
 ABOVE: Final = math.radians(20.0)
 """Elevation of the view (rad)."""
+MAST: Final = -0.058
+"""Height of the upper end of the mast (m)."""
 LIFTS: Final = {"long": 0.06, "middle": 0.13, "short": 0.20, "rods": 0.285, "head": 0.365}
 """How far (m) parts are lifted out of their places."""
 
@@ -171,6 +169,7 @@ def base() -> Iterator[str]:
         yield tube([foot, top], hexadecimal(COLOURS.trim), 8)
         yield disc(motors[index], 0.020, 0.034, colour)
     yield disc((0.0, 0.0, PLATE), 0.062, 0.006, hexadecimal(COLOURS.base))
+    yield tube([(0.0, 0.0, PLATE + 0.003), (0.0, 0.0, MAST)], hexadecimal(COLOURS.metal), 14)
     for index in nearest_last(motors):
         x, y, _ = motors[index]
         height = SIZES.ring_heights[index]
@@ -238,35 +237,31 @@ def head() -> Iterator[str]:
 
 
 def labels() -> Iterator[str]:
-    """Yield number, name and figures of each part, with a line to it; the numbers are the order of assembly."""
-    drive, size, geometry = ROBOT.drive, ROBOT.head, ROBOT.geometry
-    rings = [(name, height, LIFTS[name]) for name, height in zip(ARMS, SIZES.ring_heights, strict=True)]
+    """Yield number, name and sizes of each part, with a line to it; the numbers are the order of assembly."""
+    drive, size = ROBOT.drive, ROBOT.head
+    elbow = chains(ROBOT.geometry)[0].elbow[2] * size.arm_length
+    rings = zip(ARMS, SIZES.ring_heights, strict=True)
     rows = [
-        (SIZES.floor + 0.04, 0.0, "Base", f"three NEMA 17 motors; pinions of {drive.gear_pinion} teeth"),
+        (SIZES.floor + 0.04, 0.0, "Base, with the mast", f"3 motors, pinions of {drive.gear_pinion} teeth"),
         *(
-            (
-                z,
-                lift,
-                f"{name.capitalize()} arm",
-                f"ring of {drive.gear_ring} teeth inside, upright to the elbow",
-            )
-            for name, z, lift in reversed(rings)
+            (z, LIFTS[name], f"{name.capitalize()} arm", f"elbow {millimetres(elbow - z)} above the ring")
+            for name, z in reversed(list(rings))
         ),
-        (-0.01, LIFTS["rods"], "Three rods", f"twisted by {geometry.rod_twist:g}°, from elbow to skull"),
-        (
-            size.centre_height,
-            LIFTS["head"],
-            "Skull",
-            f"three mounts, two cameras {1000 * size.eye_baseline:g} mm apart",
-        ),
+        (-0.01, LIFTS["rods"], "Three rods", f"twisted by {ROBOT.geometry.rod_twist:g}°, elbow to skull"),
+        (size.centre_height, LIFTS["head"], "Skull", f"two cameras {millimetres(size.eye_baseline)} apart"),
     ]
     for number, (height, lift, name, figures) in enumerate(rows, 1):
         x, y = seen((0.0, 0.0, height), lift)
-        yield line([(x + 60, y), (390, y)], GREY, 1.5, 'stroke-dasharray="3 4"')
-        yield f'<circle cx="406" cy="{y:.0f}" r="15" fill="#222"/>\n' + text(
-            406, y + 5, str(number), f'{BOLD} fill="#fff" text-anchor="middle"'
+        yield line([(x + 60, y), (358, y)], GREY, 1.5, 'stroke-dasharray="3 4"')
+        yield f'<circle cx="378" cy="{y:.0f}" r="20" fill="#222"/>\n' + text(
+            378, y + 9, str(number), f'{BOLD} fill="#fff" text-anchor="middle"'
         )
-        yield text(432, y - 3, name, f'{BOLD} font-size="17"') + text(432, y + 17, figures)
+        yield text(410, y - 3, name, BOLD) + text(410, y + 26, figures)
+
+
+def millimetres(length: float) -> str:
+    """Return a length (m) as text."""
+    return f"{1000 * length:.0f} mm"
 
 
 def assembly() -> str:
@@ -274,7 +269,7 @@ def assembly() -> str:
     rods = [scaled(chain.mount, 1.0) for chain in chains(ROBOT.geometry)]
     axis = [seen((0.0, 0.0, SIZES.floor)), seen((0.0, 0.0, ROBOT.head.centre_height), LIFTS["head"])]
     parts = [
-        SIZE.format(840, 930, "The parts of the robot in the order of assembly"),
+        SIZE.format(800, 930, 25, "The parts of the robot in the order of assembly"),
         line(axis, GREY, 1.5, 'stroke-dasharray="9 5"'),
     ]
     parts += [*labels(), *base()]

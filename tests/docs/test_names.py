@@ -73,14 +73,18 @@ def test_each_reason_has_a_cure() -> None:
     assert [reason for reason in Reason if f"`{reason}`" not in text] == [Reason.OK]
 
 
-def test_german_sentences_of_the_pages_are_sentences_of_the_catalogue() -> None:
-    files = ("beatrix_zenoh/contract/sentences/de.toml", "gui/console/texts/de.toml")
-    catalogue = " ".join((ROOT / file).read_text(encoding="utf-8") for file in files)
+def test_sentences_of_the_pages_are_those_of_the_catalogue() -> None:
+    files = [
+        ROOT / folder / language
+        for folder in ("beatrix_zenoh/contract/sentences", "gui/console/texts")
+        for language in ("en.toml", "de.toml")
+    ]
+    catalogue = " ".join(file.read_text(encoding="utf-8") for file in files)
     pages = [ROOT / "docs/how-to" / name for name in ("what-can-go-wrong.md", "no-answer.md")]
     text = " ".join(page.read_text(encoding="utf-8") for page in pages)
-    cells = re.findall(r"<br>(\*.+?) ?(?:<br>|\|)", text)
-    assert len(cells) > 20
-    parts = [part.strip() for cell in cells for part in re.split(r"\*, \*|[*…]", cell)]
+    sentences = re.findall(r"<br>\*(.+?)\*(?=<br>| \|)", text)
+    parts = [part.strip() for sentence in sentences for part in sentence.split("…")]
+    assert len(parts) > 60
     assert [part for part in parts if part not in catalogue] == []
 
 

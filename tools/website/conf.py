@@ -119,7 +119,7 @@ html_theme_options = {"navigation_with_keys": True}
 def complete(app: Sphinx, page: str, source: list[str]) -> None:
     """Add the chapters to the front page, and the documentation of each class to the page that names it."""
     source[0] = API.sub(api, REPOSITORY.sub("", source[0]))
-    source[0] = SEARCHED.sub(r"```{index} \1\n```", source[0])
+    source[0] = SEARCHED.sub(searched, source[0])
     if page.startswith("beatrix_zenoh/"):
         source[0] = f"[All lessons](/docs/lessons/README.md)\n\n{source[0]}"
     if page == FRONT:
@@ -161,6 +161,11 @@ def entry(path: str, tasks: str) -> str:
         text += f"\n   .. rubric:: {title}\n"
         text += "".join(f"\n   .. automethod:: {path}.{method}\n" for method in methods)
     return text
+
+
+def searched(found: re.Match[str]) -> str:
+    """Return the directive that adds these words to the index as main entries, which a search shows first."""
+    return "```{index} ! " + found[1].replace(", ", ", ! ") + "\n```"
 
 
 def docstring(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
