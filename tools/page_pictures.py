@@ -31,6 +31,8 @@ SHOWN_S: Final = 2.5
 """Time from the start of the countdown to the picture: the simulation has arrived, the hardware waits."""
 EYES: Final = "[...document.images].filter((image) => image.naturalWidth > 0 && image.offsetWidth > 0).length"
 
+EDITOR: Final = "Boolean(document.querySelector('.blocklyToolbox'))"
+
 
 @contextmanager
 def robots() -> Iterator[str]:
@@ -96,7 +98,7 @@ def blocks(page: Browser, file: Path) -> None:
     """Run a program of blocks on the simulation, and draw its second turn."""
     page.click("#hw")
     page.click("#tabs [data-tab=blocks]")
-    page.wait(lambda: bool(page.run("Boolean(document.querySelector('.blocklyToolbox'))")), "the editor")
+    page.wait(lambda: bool(page.run(EDITOR)), "the editor")
     times = {"shadow": {"type": "math_number", "fields": {"NUM": 3}}}
     row = {"block": turn(-40, turn(40, {"type": "gesture", "fields": {"NAME": "curious"}}))}
     repeat = {"type": "controls_repeat_ext", "inputs": {"TIMES": times, "DO": row}}
@@ -113,9 +115,9 @@ def blocks(page: Browser, file: Path) -> None:
 def lesson(page: Browser, file: Path) -> None:
     """Run the solution of the first lesson, and draw what the check says."""
     solution = json.dumps((LIBRARY / "01-hello/solution.json").read_text(encoding="utf-8"))
-    chosen = "document.querySelector('#block-programs').selectedOptions[0]?.text"
+    chosen = "document.querySelector('#block-programs').selectedOptions[0]?.text === '01-hello'"
     page.click("#tabs [data-tab=lessons]")
-    page.wait(lambda: bool(page.run(f"{chosen} === '01-hello'")), "the lesson")
+    page.wait(lambda: bool(page.run(f"{EDITOR} && {chosen}")), "the lesson")
     page.run(f"Blockly.serialization.workspaces.load(JSON.parse({solution}), Blockly.getMainWorkspace())")
     page.click("#block-run")
     page.wait(lambda: page.text("#lesson-check").startswith("Passed"), "the check")
