@@ -62,8 +62,6 @@ API = re.compile(r"^<!-- api: (.+?)(?:\n((?:.+\n)+))? ?-->$", re.MULTILINE)
 """Names to document; the lines after a class are tasks, each with the methods that stand first, under its title."""
 REPOSITORY = re.compile(r"^.*<!-- repository -->\n", re.MULTILINE)
 """A line for readers who see the files, not the site."""
-SEARCHED = re.compile(r"^<!-- search: (.+) -->$", re.MULTILINE)
-"""Words for which a search shows this place first, separated by commas."""
 EXAMPLE = re.compile(r"^(\S.*)\n\n(?= {4}\S)", re.MULTILINE)
 """The paragraph before an indented program, which reStructuredText would take for a quotation."""
 BASES = "Struct, tuple, str, Exception, BaseException, Status, Info, FrameHeader, SoundHeader, Sample"
@@ -74,6 +72,9 @@ ELSEWHERE = {
     "robot.GeometryData": "robot#geometry",
     "robot.LimitsData": "robot#limits",
 }
+
+SEARCHED = re.compile(r"^<!-- search: (.+) -->$", re.MULTILINE)
+"""Words for which a search shows this place first, separated by commas."""
 
 project = "BEATRIX"
 version = release = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
@@ -119,9 +120,6 @@ html_theme_options = {"navigation_with_keys": True}
 def complete(app: Sphinx, page: str, source: list[str]) -> None:
     """Add the chapters to the front page, and the documentation of each class to the page that names it."""
     source[0] = API.sub(api, REPOSITORY.sub("", source[0]))
-    source[0] = SEARCHED.sub(searched, source[0])
-    if page.startswith("beatrix_zenoh/"):
-        source[0] = f"[All lessons](/docs/lessons/README.md)\n\n{source[0]}"
     if page == FRONT:
         source[0] += "".join(chapters(app))
 
@@ -161,11 +159,6 @@ def entry(path: str, tasks: str) -> str:
         text += f"\n   .. rubric:: {title}\n"
         text += "".join(f"\n   .. automethod:: {path}.{method}\n" for method in methods)
     return text
-
-
-def searched(found: re.Match[str]) -> str:
-    """Return the directive that adds these words to the index as main entries, which a search shows first."""
-    return "```{index} ! " + found[1].replace(", ", ", ! ") + "\n```"
 
 
 def docstring(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
@@ -226,6 +219,23 @@ def show_sheets(app: Sphinx, doctree: nodes.document, page: str) -> None:
             link.replace_self(nodes.reference("", "", *link.children, internal=True, refuri=uri))
 
 
+def guide(app: Sphinx, page: str, source: list[str]) -> None:
+    """Add a way back to each page of a lesson, and words by which a search finds a place: main entries of the index."""
+    if page.startswith("beatrix_zenoh/"):
+        source[0] = f"[All lessons](/docs/lessons/README.md)\n\n{source[0]}"
+    source[0] = SEARCHED.sub(
+        lambda found: "```{index} ! " + found[1].replace(", ", ", ! ") + "\n```", source[0]
+    )
+
+
+def show_pictures(app: Sphinx, doctree: nodes.document, page: str) -> None:
+    """Let a click on a picture show it in its full size, as GitHub does."""
+    for picture in list(doctree.findall(nodes.image)):
+        if not isinstance(picture.parent, nodes.reference):
+            uri = f"{'../' * page.count('/')}_images/{app.env.images[picture['uri']][1]}"
+            picture.replace_self(nodes.reference("", "", picture.copy(), internal=True, refuri=uri))
+
+
 def speak(app: Sphinx, page: str, template: str, context: dict[str, object], doctree: object) -> None:
     """Name the language of German pages, for screen readers and hyphenation."""
     if page.endswith(".de"):
@@ -235,8 +245,10 @@ def speak(app: Sphinx, page: str, template: str, context: dict[str, object], doc
 def setup(app: Sphinx) -> None:
     """Connect the functions above."""
     app.connect("source-read", complete)
+    app.connect("source-read", guide)
     app.connect("autodoc-process-docstring", docstring)
     app.connect("autodoc-process-signature", constructor)
     app.connect("doctree-resolved", show_sheets)
+    app.connect("doctree-resolved", show_pictures)
     app.connect("html-page-context", speak)
     app.connect("missing-reference", message)
