@@ -290,18 +290,17 @@ class Processes:
                 self._soak.faults.append(f"{log.stem} has printed: {text.strip()[-400:]}")
 
 
-def measure(soak: Soak, processes: Processes, total_s: float, book: soak_figures.Book) -> None:
+def measure(soak: Soak, processes: Processes, book: soak_figures.Book) -> None:
     """Look at all processes until the time is over, and restart the router in between."""
-    began_s, period_s = time.monotonic(), min(RESTART_S, total_s / 4)
+    began_s, total_s = time.monotonic(), book.total_s
+    period_s = min(RESTART_S, total_s / 4)
     due_s = soak_figures.windows(total_s)[0][0] / 2
     while (at_s := time.monotonic() - began_s) < total_s:
         book.write(processes.pids(), at_s)
         if at_s >= due_s and total_s - at_s > 2 * BACK_S:
             processes.restart_router()
             due_s += period_s
-        gone = [
-            name for name, looks in book.looks.items() if name in processes.served and looks[-1].at_s != at_s
-        ]
+        gone = [name for name, seen_s in book.last_s.items() if name in processes.served and seen_s != at_s]
         if gone:
             soak.faults.append(f"{', '.join(gone)} ended after {at_s:.0f} s.")
             return
@@ -329,12 +328,12 @@ def readers_of(soak: Soak, recordings: dict[str, Path]) -> Iterator[tuple[str, .
 def run(hours: float, folder: Path) -> tuple[str, list[str]]:
     """Run the soak; return the page and what is wrong."""
     soak = Soak(free_endpoint(), int(free_endpoint().rpartition(":")[2]))
-    processes, book = Processes(soak, folder), soak_figures.Book()
+    processes, book = Processes(soak, folder), soak_figures.Book(hours * 3600)
     threads: list[threading.Thread] = []
     try:
         processes.start()
         threads = [guarded(soak, work) for work in (drive, watch, visit, browse)]
-        measure(soak, processes, hours * 3600, book)
+        measure(soak, processes, book)
     finally:
         soak.over.set()
         for thread in threads:
@@ -342,7 +341,7 @@ def run(hours: float, folder: Path) -> tuple[str, list[str]]:
             if thread.is_alive():
                 soak.faults.append(f"`{thread.name}` hangs.")
         processes.end()
-    rows = list(book.rows(hours * 3600))
+    rows = list(book.rows())
     readers = list(readers_of(soak, processes.recordings()))
     soak.counts["restarts of the router"] = len(soak.restarts)
     faults = soak.faults + [fault for row in rows for fault in row.faults()]

@@ -73,12 +73,18 @@ def title(command: str) -> str:
 
 @dataclass
 class Book:
-    """All looks at all processes, by the names of the processes."""
+    """Looks at all processes, by the names of the processes: those in the windows, so that this process does not grow."""
 
+    total_s: float
+    """length of the soak"""
     looks: dict[str, list[Look]] = field(default_factory=dict)
+    last_s: dict[str, float] = field(default_factory=dict)
+    """when each process was seen last"""
 
     def write(self, pids: dict[str, int], at_s: float) -> None:
         """Look at these processes and their children."""
+        begins_s, lasts_s = windows(self.total_s)
+        kept = any(begin_s <= at_s <= begin_s + lasts_s for begin_s in begins_s)
         for name, pid in pids.items():
             found = [(name, pid)]
             counts: Counter[str] = Counter()
@@ -88,11 +94,13 @@ class Book:
                 found.append((f"{name}: {title(command)}{number}", child))
             for called, one in found:
                 if (seen := look(one, at_s)) is not None:
-                    self.looks.setdefault(called, []).append(seen)
+                    self.last_s[called] = at_s
+                    if kept:
+                        self.looks.setdefault(called, []).append(seen)
 
-    def rows(self, total_s: float) -> Iterator[Row]:
+    def rows(self) -> Iterator[Row]:
         """Yield the comparison of each process that lived in all windows."""
-        begins_s, lasts_s = windows(total_s)
+        begins_s, lasts_s = windows(self.total_s)
         for name, looks in self.looks.items():
             parts = [[one for one in looks if begin <= one.at_s <= begin + lasts_s] for begin in begins_s]
             if all(parts):
