@@ -118,6 +118,7 @@ class Hub:
         lessons = Lessons(self._shelf.folder.parent / "progress" / visitor, self._call)
         face = Face(self._link.world(robot), visitor, send, close, self._stop, desk, lessons)
         face.valid, face.shown = valid, self.login.shown(visitor)
+        face.shows_class = visitor == names.TEACHER
         account = self.login.account(visitor)
         if account is not None:
             face.link = self._open(face, Settings(robot, account.connect, account.name, account=account))

@@ -157,8 +157,9 @@ def test_only_the_teachers_page_governs(browsers: dict[str, WebClient], router: 
     assert ben.view["govern"] is None
     with router.robot("ben", "sim", "teacher") as robot:
         assert not robot.status().speed_limit
-        teacher.send("class", on=True)
-        teacher.state(lambda view: bool(view.get("govern")), "the teacher's buttons", heartbeat=False)
+        teacher.state(
+            lambda view: bool(view.get("govern")), "the teacher's buttons, at once", heartbeat=False
+        )
         teacher.send("Govern", **freeze)
         until(lambda: robot.status().frozen, "the teacher's page freezes")
         ben.state(lambda view: view["pills"][0]["condition"] == "frozen", "the page says so")
