@@ -26,38 +26,41 @@ import surface  # noqa: E402
 
 FRONT = "docs/README"
 CHAPTERS = {
-    "Try it": [
-        "docs/tutorial/first-steps",
-        "docs/gallery",
-        "docs/how-to/window",
-        "docs/how-to/web",
-        "docs/how-to/blocks",
-    ],
-    "Teach": [
-        "docs/lessons/*",
-        "docs/how-to/lessons",
-        "docs/how-to/classroom",
-        "docs/how-to/tablets",
-        "docs/how-to/share-a-robot",
-    ],
-    "Build": ["docs/how-to/build", "docs/how-to/board", "docs/how-to/cameras", "docs/how-to/microphones"],
-    "Mend": ["docs/how-to/what-can-go-wrong", "docs/how-to/no-answer"],
-    "How to": ["docs/how-to/README", "docs/how-to/*"],
-    "Look up": [
-        "docs/reference/README",
-        "docs/reference/python",
-        "docs/reference/commands",
-        "docs/reference/*",
-    ],
-    "Understand": [
-        "docs/explanation/architecture",
-        "docs/explanation/[!d]*",
-        "docs/explanation/decisions/README",
-    ],
-    "Project": ["README", "CONTRIBUTING", "CHANGELOG", "SECURITY", "tests/README"],
-    "Deutsch": ["docs/README.de", "docs/tutorial/first-steps.de"],
+    FRONT: {
+        "Begin": ["docs/get-it", "docs/README.de"],
+        "Try it": [
+            "docs/tutorial/first-minutes",
+            "docs/tutorial/first-steps",
+            "docs/how-to/window",
+            "docs/how-to/web",
+            "docs/how-to/blocks",
+            "docs/gallery",
+        ],
+        "Teach": [
+            "docs/lessons/first-lesson",
+            "docs/lessons/README",
+            "docs/how-to/lessons",
+            "docs/how-to/tablets",
+            "docs/how-to/classroom",
+            "docs/how-to/share-a-robot",
+            "docs/explanation/data-protection",
+        ],
+        "Build": ["docs/how-to/build", "docs/how-to/board", "docs/how-to/cameras", "docs/how-to/microphones"],
+        "Mend": ["docs/how-to/what-can-go-wrong", "docs/how-to/no-answer"],
+        "More": ["docs/how-to/README", "docs/reference/README", "docs/explanation/README", "CONTRIBUTING"],
+    },
+    "docs/README.de": {"Pages": ["docs/lessons/first-lesson.de", "docs/tutorial/first-steps.de"]},
+    "docs/lessons/README": {"Pages": ["docs/lessons/*"]},
+    "docs/how-to/README": {"Pages": ["docs/how-to/*"]},
+    "docs/reference/README": {
+        "Pages": ["docs/reference/python", "docs/reference/commands", "docs/reference/*"]
+    },
+    "docs/explanation/README": {"Pages": ["docs/explanation/architecture", "docs/explanation/[!d]*"]},
+    "CONTRIBUTING": {
+        "Pages": ["README", "CHANGELOG", "SECURITY", "tests/README", "docs/explanation/decisions/README"]
+    },
 }
-"""The chapters of the site and their pages in docs/; a pattern adds the pages that are not listed before it."""
+"""The chapters below a page, and their pages; a pattern adds the pages that are not listed before it."""
 API = re.compile(r"^<!-- api: (.+?)(?:\n((?:.+\n)+))? ?-->$", re.MULTILINE)
 """Names to document; the lines after a class are tasks, each with the methods that stand first, under its title."""
 REPOSITORY = re.compile(r"^.*<!-- repository -->\n", re.MULTILINE)
@@ -118,20 +121,22 @@ html_theme_options = {"navigation_with_keys": True}
 
 
 def complete(app: Sphinx, page: str, source: list[str]) -> None:
-    """Add the chapters to the front page, and the documentation of each class to the page that names it."""
+    """Add its chapters to a page, and the documentation of each class to the page that names it."""
     source[0] = API.sub(api, REPOSITORY.sub("", source[0]))
-    if page == FRONT:
-        source[0] += "".join(chapters(app))
+    if page in CHAPTERS:
+        source[0] += "".join(chapters(app, page))
 
 
-def chapters(app: Sphinx) -> Iterator[str]:
-    """Yield the directive of each chapter; a page is in the first chapter that has it."""
+def chapters(app: Sphinx, above: str) -> Iterator[str]:
+    """Yield the directive of each chapter below a page; a page is in the first chapter that has it."""
     listed = {FRONT}
-    for title, patterns in CHAPTERS.items():
-        found = [page for pattern in patterns for page in patfilter(sorted(app.env.found_docs), pattern)]
-        pages = [page for page in dict.fromkeys(found) if page not in listed]
-        listed.update(pages)
-        yield f"\n```{{toctree}}\n:hidden:\n:caption: {title}\n\n/" + "\n/".join(pages) + "\n```\n"
+    for page, parts in CHAPTERS.items():
+        for title, patterns in parts.items():
+            found = [one for pattern in patterns for one in patfilter(sorted(app.env.found_docs), pattern)]
+            pages = [one for one in dict.fromkeys(found) if one not in listed]
+            listed.update(pages)
+            if page == above:
+                yield f"\n\n```{{toctree}}\n:hidden:\n:caption: {title}\n\n/" + "\n/".join(pages) + "\n```\n"
 
 
 def api(found: re.Match[str]) -> str:
