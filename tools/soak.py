@@ -251,14 +251,19 @@ class Processes:
             "page", "beatrix_zenoh.cli", "web", *to, "--port", str(self._soak.web_port), "--who", "web"
         )
         for name, path in self.recordings().items():
-            hz = "5" if name == "recorder with pictures" else "0"
-            self._begin(name, "beatrix_zenoh.cli", "record", str(path), *to, "--cameras", hz)
+            # One begins a new file every half an hour: for each chunk Rerun keeps 1.4 kB until its file is complete.
+            words = (
+                ("--cameras", "5", "--rotate", "30")
+                if name == "recorder with pictures"
+                else ("--cameras", "0")
+            )
+            self._begin(name, "beatrix_zenoh.cli", "record", str(path), *to, *words)
 
     def recordings(self) -> dict[str, Path]:
         """Return the files of the recorders."""
         return {
-            "recorder": self._folder / "without.rrd",
-            "recorder with pictures": self._folder / "with.rrd",
+            "recorder": self._folder / "plain.rrd",
+            "recorder with pictures": self._folder / "pictures.rrd",
         }
 
     def _begin(self, name: str, module: str, *words: str) -> None:
@@ -313,7 +318,7 @@ def readers_of(soak: Soak, recordings: dict[str, Path]) -> Iterator[tuple[str, .
     for side in SIDES:
         yield f"program, {side}", *(str(soak.lost[side, what]) for what in ("read", "lost", "restart"))
     for name, path in recordings.items():
-        for (_, side), samples in read(path).robots.items():
+        for (_, side), samples in read(*path.parent.glob(f"{path.stem}*")).robots.items():
             times_s = samples.time_ns / 1e9
             edges = sorted(edge for began in soak.restarts for edge in (began, began + BACK_S))
             parts = np.searchsorted(edges, times_s)
