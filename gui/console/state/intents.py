@@ -36,6 +36,10 @@ class HeadOrientation:
         """Yaw, pitch and roll to a tenth of a degree, less than a pixel."""
         return round(self.yaw, 1) + 0.0, round(self.pitch, 1) + 0.0, round(self.roll, 1) + 0.0
 
+    def away(self, other: HeadOrientation) -> float:
+        """Return the largest difference of an angle (deg)."""
+        return max(abs(self.yaw - other.yaw), abs(self.pitch - other.pitch), abs(self.roll - other.roll))
+
 
 class Tab(StrEnum):
     """A tab of the middle column."""

@@ -10,7 +10,7 @@ from typing import Final
 from beatrix_zenoh.client.degrees import Reading
 from beatrix_zenoh.contract.names import SIDES
 from gui.console.state.actions import NEW, POSES, Action, Play, Send, SendStop
-from gui.console.state.intents import Intent, WindowPage
+from gui.console.state.intents import HeadOrientation, Intent, WindowPage
 from gui.console.state.lesson_strip import MARKS, LessonStrip, OpenLesson, ShowSheet
 from gui.console.state.memory import CHEER, Memory, Motion, RequestRow, begin
 from gui.console.state.pills import finding, problem
@@ -278,5 +278,4 @@ def _is_aimed(memory: Memory, world: World) -> bool:
     heads = [seen.head for side in SIDES if (seen := world.side(side).reading) is not None]
     if target is None or not heads:
         return False
-    aim = (target.yaw, target.pitch, target.roll)
-    return max(abs(wanted - at) for wanted, at in zip(aim, heads[0], strict=True)) >= AIMED_DEG
+    return target.away(HeadOrientation(*heads[0])) >= AIMED_DEG

@@ -47,6 +47,7 @@ def head(memory: Memory, world: World) -> HeadView:
     limits = limits_of(world)
     path = world.plan.path if world.plan is not None else None
     solid, aim = _solid(memory, world), target(memory, world)
+    heads = [_head(world, side, kept) for side in memory.choices.sides]
     off, status = "" if memory.choices.sides else "off.unchecked", world.side(solid).status
     # In the simple window no ghost of a robot that nothing is sent to hides the face.
     seen = (*memory.choices.sides, solid) if memory.choices.simple else SIDES
@@ -66,14 +67,9 @@ def head(memory: Memory, world: World) -> HeadView:
         send=button(
             memory.choices.texts, "head.send", SendHead(), off, yaw=aim.yaw, pitch=aim.pitch, roll=aim.roll
         ),
-        unsent=any(_differs(aim, _head(world, side, kept)) for side in memory.choices.sides),
+        unsent=any(seen is not None and aim.away(seen) > SAME_DEG for seen in heads),
         refusal=refusals.at(memory, (PAD,)),
     )
-
-
-def _differs(target: HeadOrientation, head: HeadOrientation | None) -> bool:
-    pairs = () if head is None else zip(dataclasses.astuple(target), dataclasses.astuple(head), strict=True)
-    return any(abs(wanted - angle) > SAME_DEG for wanted, angle in pairs)
 
 
 def _head(

@@ -55,9 +55,7 @@ def _figure() -> Figure:
 
 def apart(one: HeadOrientation | None, other: HeadOrientation | None) -> bool:
     """Return whether two heads are drawn separately."""
-    if one is None or other is None:
-        return True
-    return any(abs(a - b) > NEAR_DEG for a, b in zip(one.tenths, other.tenths, strict=True))
+    return one is None or other is None or one.away(other) > NEAR_DEG
 
 
 # -- the robots -------------------------------------------------------------------------------------
