@@ -108,9 +108,8 @@ def check_extras() -> None:
     """Raise Refused (BAD_VALUE) if a package is missing without which there are no robots."""
     lacking = [extra for extra, module in NEEDED.items() if util.find_spec(module) is None]
     if lacking:
-        raise bad_value(
-            f"The demo needs {' and '.join(lacking)}. Run `beatrix install {' '.join(lacking)} rerun web`."
-        )
+        command = typed("beatrix", "install", *lacking, "rerun", "web")
+        raise bad_value(f"The demo needs {' and '.join(lacking)}. Run `{command}`.")
 
 
 def make_folder(out: Path) -> None:

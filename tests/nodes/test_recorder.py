@@ -121,9 +121,7 @@ def test_the_code_of_the_page_reads_a_recording(
     shutil.copy(lesson.path, "lesson.rrd")
     (block,) = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
     exec(block, {})
-    assert re.search(
-        r"^bea sim \d+ samples, the last with the head at \[", capsys.readouterr().out, re.MULTILINE
-    )
+    assert re.search(r"^bea sim \d+ samples; at the end: \[", capsys.readouterr().out, re.MULTILINE)
 
 
 @pytest.mark.long("records for eight seconds")

@@ -49,8 +49,8 @@ def test_cameras_are_listed_by_their_path(monkeypatch: pytest.MonkeyPatch, tmp_p
     assert "usermod -aG video" in finding.todo
 
 
-def test_the_error_for_a_missing_program_names_its_extra() -> None:
-    with pytest.raises(Refused, match="beatrix install other"):
+def test_the_error_for_a_program_that_the_installation_lacks_says_how_to_renew_it() -> None:
+    with pytest.raises(Refused, match="`beatrix other` is newer than the installation"):
         serving.run("other", [])
 
 

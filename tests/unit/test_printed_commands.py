@@ -53,9 +53,12 @@ def test_a_path_never_looks_like_an_option() -> None:
     assert typed("beatrix", "replay", Path("-x.rrd")) == "beatrix replay ./-x.rrd"
 
 
-def test_the_advice_for_another_router_needs_no_variable_of_a_shell() -> None:
+def test_the_advice_for_another_router_needs_no_variable_of_a_shell(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("shutil.which", lambda _: "/usr/bin/beatrix")
     text = advice("tcp/[::1]:7940", ["top"], Path("logs"))
     assert '  beatrix top --connect "tcp/[::1]:7940"\n' in text
+    monkeypatch.setattr("shutil.which", lambda _: None)
+    assert advice("", ["top"], Path("logs")).split()[5].endswith("beatrix")
 
 
 SAFE = {
