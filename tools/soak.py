@@ -251,13 +251,8 @@ class Processes:
             "page", "beatrix_zenoh.cli", "web", *to, "--port", str(self._soak.web_port), "--who", "web"
         )
         for name, path in self.recordings().items():
-            # One begins a new file every half an hour: for each chunk Rerun keeps 1.4 kB until its file is complete.
-            words = (
-                ("--cameras", "5", "--rotate", "30")
-                if name == "recorder with pictures"
-                else ("--cameras", "0")
-            )
-            self._begin(name, "beatrix_zenoh.cli", "record", str(path), *to, *words)
+            hz = "5" if name == "recorder with pictures" else "0"
+            self._begin(name, "beatrix_zenoh.cli", "record", str(path), *to, "--cameras", hz)
 
     def recordings(self) -> dict[str, Path]:
         """Return the files of the recorders."""
@@ -318,7 +313,7 @@ def readers_of(soak: Soak, recordings: dict[str, Path]) -> Iterator[tuple[str, .
     for side in SIDES:
         yield f"program, {side}", *(str(soak.lost[side, what]) for what in ("read", "lost", "restart"))
     for name, path in recordings.items():
-        for (_, side), samples in read(*path.parent.glob(f"{path.stem}*")).robots.items():
+        for (_, side), samples in read(path).robots.items():
             times_s = samples.time_ns / 1e9
             edges = sorted(edge for began in soak.restarts for edge in (began, began + BACK_S))
             parts = np.searchsorted(edges, times_s)
