@@ -53,7 +53,7 @@ BACK_S: Final = 15.0
 LOOK_S: Final = 5.0
 MOTION_S: Final = 20.0
 """Longest time (s) of a motion; one that takes longer hangs."""
-VISIT_S: Final = 10.0
+VISIT_S: Final = 20.0
 AFTER_STOP_S: Final = 3.5
 
 

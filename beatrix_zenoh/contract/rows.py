@@ -90,7 +90,7 @@ def parser(rows: Mapping[str, KeyRow], name: re.Pattern[str]) -> Callable[[str],
 
     patterns = {row_name: re.compile(re.sub(r"{(\w+)}", field, row.key)) for row_name, row in rows.items()}
 
-    @lru_cache(maxsize=1024)
+    @lru_cache(maxsize=256)  # thirty robots have 200 keys; those of sessions come once
     def parse(key: str) -> Parts | None:
         for row_name, pattern in patterns.items():
             if match := pattern.fullmatch(key):
