@@ -22,7 +22,7 @@ from beatrix_zenoh.recording.viewer import HOST, PORT, address, answers
 PERIOD_S: Final = 0.5
 """Period of checking what is due, and the disk."""
 DUE_SHARE: Final = 0.1
-DUE_S: Final = 120.0
+DUE_S: Final = 60.0
 """Rows are due when they are older than this share of the file's length, at most DUE_S.
 
 A killed recorder loses the rows that are not due yet. But each chunk takes 0.3 kB of the file beside its rows, and 1.4 kB
