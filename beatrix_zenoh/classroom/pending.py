@@ -121,7 +121,7 @@ class PendingDecisions:
         assert parts is not None
         lease = keys.lease(parts.robot, parts.side, names.TEACHER)
         for kind, decision in [*self._kept[key].items()]:
-            query = self._bus.query(lease, codec.encode(decision), codec.MSGPACK, timeout_s=ANSWER_S)
+            query = self._bus.query(lease, codec.encode_request(decision), codec.MSGPACK, timeout_s=ANSWER_S)
             if not query.is_answered(ANSWER_S):
                 return
             del self._kept[key][kind]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from enum import StrEnum
+from functools import cache
 from typing import Final, TypeVar
 
 import msgpack
@@ -59,11 +60,21 @@ def encode(message: msgspec.Struct) -> bytes:
 def encode_request(request: msgspec.Struct) -> bytes:
     """Encode a request as msgpack without the fields that have their defaults: an older robot refuses new fields."""
     data = msgspec.to_builtins(request)
-    for field in msgspec.structs.fields(request):
-        if field.name != "yaw" and getattr(request, field.name) == field.default:  # a pose needs an angle
-            del data[field.encode_name]
+    for name, default in _left_out(type(request)):
+        if data[name] == default:
+            del data[name]
     packed: bytes = msgpack.packb(data, use_single_float=True)
     return packed
+
+
+@cache  # msgspec takes 0.1 ms to describe the fields of a type
+def _left_out(kind: type[msgspec.Struct]) -> tuple[tuple[str, object], ...]:
+    """Return the fields of a request that it need not have, with their defaults as they are encoded."""
+    fields = (field for field in msgspec.structs.fields(kind) if not field.required)
+    # A pose needs an angle.
+    return tuple(
+        (field.encode_name, msgspec.to_builtins(field.default)) for field in fields if field.name != "yaw"
+    )
 
 
 def encode_json(message: msgspec.Struct) -> bytes:

@@ -63,7 +63,9 @@ def send_note(client: Client, text: str) -> list[NoteReply]:
         WrongUsage: SHUTDOWN, the client was closed.
     """
     key = keys.note(client.settings.who, "*")
-    query = client.bus.query(key, codec.encode(NoteQuery(text=text)), codec.MSGPACK, timeout_s=ANSWER_S)
+    query = client.bus.query(
+        key, codec.encode_request(NoteQuery(text=text)), codec.MSGPACK, timeout_s=ANSWER_S
+    )
     answers = (client.read(reply, NoteReply) for reply in query.replies(ANSWER_S) if not reply.error)
     found = [answer for answer in answers if answer is not None]
     if not found:
