@@ -28,7 +28,7 @@ from beatrix_zenoh import BeatrixError, Robot, class_file
 from beatrix_zenoh import account as accounts
 from beatrix_zenoh.classroom import provision
 from beatrix_zenoh.client import Client
-from beatrix_zenoh.recording.viewer import free_port
+from beatrix_zenoh.processes import free_port
 from beatrix_zenoh.settings import Settings
 
 CLASS: Final = """

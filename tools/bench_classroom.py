@@ -28,7 +28,7 @@ from beatrix_zenoh import account as accounts
 from beatrix_zenoh.classroom import provision
 from beatrix_zenoh.client import Client, lease
 from beatrix_zenoh.contract._generated.messages import EventKind, LeaseAction, Status
-from beatrix_zenoh.recording.viewer import free_port
+from beatrix_zenoh.processes import free_port
 from beatrix_zenoh.settings import Settings
 
 HOSTILE: Final = str(ROOT / "tools/hostile.py")

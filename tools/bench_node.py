@@ -26,7 +26,7 @@ from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import MotionReply, PoseQuery, Positions
 from beatrix_zenoh.contract._generated.serial import MoveStraight
-from beatrix_zenoh.recording.viewer import free_port
+from beatrix_zenoh.processes import free_port
 from beatrix_zenoh.settings import Settings
 from hw_node.port import SerialPort
 

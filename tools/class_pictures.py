@@ -20,7 +20,7 @@ from browser import Browser
 
 from beatrix_zenoh import class_file, class_words
 from beatrix_zenoh.classroom import provision
-from beatrix_zenoh.recording.viewer import free_port
+from beatrix_zenoh.processes import free_port
 
 CLASS: Final = """name = "8b"
 addresses = ["127.0.0.1"]

@@ -11,8 +11,9 @@ from rerun.experimental import ViewerClient
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.processes import free_port
 from beatrix_zenoh.recording.rrd.scene import TABS
-from beatrix_zenoh.recording.viewer import Viewer, address, free_port
+from beatrix_zenoh.recording.viewer import Viewer, address
 
 SIZE: Final = "1456x819"
 SETTLE_S: Final = 2.5

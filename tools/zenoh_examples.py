@@ -12,7 +12,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from beatrix_zenoh.recording.viewer import free_port
+from beatrix_zenoh.processes import free_port
 
 ROOT = Path(__file__).resolve().parent.parent
 ENDPOINT = f"tcp/127.0.0.1:{free_port()}"

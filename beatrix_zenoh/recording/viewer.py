@@ -128,14 +128,6 @@ def address(port: int) -> str:
     return f"rerun+http://{HOST}:{port}/proxy"
 
 
-def free_port() -> int:
-    """Return a free port of this computer."""
-    with socket.socket() as probe:
-        probe.bind((HOST, 0))
-        port: int = probe.getsockname()[1]
-        return port
-
-
 class Viewer:
     """A viewer process, reachable from this computer only."""
 
@@ -147,7 +139,7 @@ class Viewer:
         """
         if answers(port):
             raise bad_value(
-                f"Port {port} of this computer is taken. Choose another with --port, for example {free_port()}.",
+                f"Port {port} of this computer is taken. Choose another with --port, for example {processes.free_port()}.",
             )
         # Without this setting Rerun sends usage data to its makers.
         tool("analytics", "disable")

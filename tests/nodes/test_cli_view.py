@@ -13,7 +13,8 @@ import pytest
 from robots import Stage
 
 from beatrix_zenoh import Refused
-from beatrix_zenoh.recording.viewer import answers, free_port, program
+from beatrix_zenoh.processes import free_port
+from beatrix_zenoh.recording.viewer import answers, program
 
 
 def test_live_robots_are_shown_in_a_browser() -> None:

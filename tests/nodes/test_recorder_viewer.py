@@ -13,10 +13,11 @@ from robots import until
 
 from beatrix_zenoh.body.figure import Figure
 from beatrix_zenoh.contract.errors import Refused
+from beatrix_zenoh.processes import free_port
 from beatrix_zenoh.recording.outputs import PERIOD_S, PROBE_S, LiveOutput
 from beatrix_zenoh.recording.rows import Frame, Numbers, RecordingRow, RobotSet, of_robot
 from beatrix_zenoh.recording.rrd.read import read
-from beatrix_zenoh.recording.viewer import Viewer, free_port
+from beatrix_zenoh.recording.viewer import Viewer
 
 SIM = ("bea", "sim")
 ROBOTS = RobotSet({SIM: Figure()})

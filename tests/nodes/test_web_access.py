@@ -16,7 +16,7 @@ from shell import CLI, beatrix
 from tornado.websocket import WebSocketClosedError
 from web_client import PIN, WebClient, serving
 
-from beatrix_zenoh.recording.viewer import free_port
+from beatrix_zenoh.processes import free_port
 from gui.page import app as web
 from gui.page import server
 from gui.page.server import ADDRESS_MAX

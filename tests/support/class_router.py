@@ -25,7 +25,7 @@ from beatrix_zenoh.classroom import certificates, provision
 from beatrix_zenoh.classroom.router_file import Part
 from beatrix_zenoh.client import Client
 from beatrix_zenoh.contract._generated import keys
-from beatrix_zenoh.recording.viewer import free_port
+from beatrix_zenoh.processes import free_port
 from beatrix_zenoh.settings import Settings
 
 CLI = ("-m", "beatrix_zenoh.cli")

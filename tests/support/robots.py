@@ -29,7 +29,7 @@ from beatrix_zenoh.contract.errors import BeatrixError
 from beatrix_zenoh.legacy import Terminal
 from beatrix_zenoh.node import Node
 from beatrix_zenoh.node.node import RobotBody
-from beatrix_zenoh.recording.viewer import free_port
+from beatrix_zenoh.processes import free_port
 from beatrix_zenoh.settings import Settings
 from hw_node.body import VirtualHardware
 

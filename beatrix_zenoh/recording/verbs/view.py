@@ -88,7 +88,8 @@ def open_viewer(port: int, *words: str, web_port: int | None = None) -> Viewer |
         Refused: BAD_VALUE, Rerun is not installed, the port is taken, or no window can be opened here.
         NoAnswer: TIMED_OUT, the viewer did not start in time.
     """
-    from beatrix_zenoh.recording.viewer import Viewer, answers, free_port
+    from beatrix_zenoh.processes import free_port
+    from beatrix_zenoh.recording.viewer import Viewer, answers
 
     if web_port is None and answers(port):
         if not words:
