@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 import zenoh
 
+from beatrix_zenoh import memory
 from beatrix_zenoh.bus import forks
 from beatrix_zenoh.bus.at_exit import OPEN
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -62,6 +63,7 @@ def opened(settings: Mapping[str, object], trouble: str, reason: Reason = Reason
         NoAnswer: Zenoh cannot open the session. The error has `reason`; its message is `trouble`, followed
             by Zenoh's own text without source locations.
     """
+    memory.share_pools()
     config = zenoh.Config()
     for key, value in {**COMMON, **settings}.items():
         config.insert_json5(key, json.dumps(value))

@@ -5,7 +5,6 @@ Of several robots in one process, one that fails is closed, while the others go 
 
 from __future__ import annotations
 
-import gc
 import logging
 import sys
 import threading
@@ -17,7 +16,7 @@ from pathlib import Path
 from typing import Final
 
 from beatrix_zenoh import bus as zbus
-from beatrix_zenoh import files, threads
+from beatrix_zenoh import files, memory, threads
 from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract._generated.robot import ROBOT, RobotData
@@ -83,7 +82,7 @@ def serve(
                     own = sessions if alone else Sessions(sessions.connect, sessions)
                     clock = None if alone else robots.clock
                     robots.nodes[name] = _start(own, build(name), name, robot, legacy, clock, ready=ready)
-            gc.freeze()  # without this, garbage collection would stop all threads for milliseconds
+            memory.keep_loaded()
             shutdown.wait()
         finally:
             robots.close()

@@ -13,6 +13,7 @@ from typing import Final
 
 from tornado import httpserver, ioloop, iostream, web
 
+from beatrix_zenoh import memory
 from beatrix_zenoh.contract.errors import bad_value
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import Shutdown
@@ -122,6 +123,7 @@ async def _run(server: Server, hub: Hub, ready: Callable[[], None], shutdown: Sh
         timer.start()
     try:
         ready()
+        memory.keep_loaded()
         await ended.wait()
     finally:
         for timer in timers:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from beatrix_zenoh import memory
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason
@@ -196,6 +197,7 @@ def viewer_if_possible(port: int) -> Viewer | None:
 def wait(recorder: Recorder, shutdown: Shutdown, seconds: float, output: FileOutput) -> None:
     """Wait for a shutdown request, the end of the time, or a full disk; print a note for each new robot."""
     known: list[tuple[str, str]] = []
+    memory.keep_loaded()
     deadline_s = time.monotonic() + seconds if seconds else float("inf")
     while not output.full and time.monotonic() < deadline_s:
         if shutdown.requested(min(POLL_S, max(0.0, deadline_s - time.monotonic()))):
