@@ -58,8 +58,9 @@ def test_poses_come_often_in_a_motion_and_seldom_at_rest(port: int, robot: Robot
         page = client.connect()
         page.state(lambda _: len(page.poses) >= 2, "the first poses", heartbeat=False)
         begun, count = time.monotonic(), len(page.poses)
-        page.state(lambda _: len(page.poses) >= count + 2, "poses at rest", heartbeat=False)
-        assert time.monotonic() - begun > 1.5
+        # Three take 3 s; this process may have seen the pose before them 0.7 s late.
+        page.state(lambda _: len(page.poses) >= count + 3, "poses at rest", heartbeat=False)
+        assert time.monotonic() - begun > 2.25
         motion = robot.look(yaw=30, wait=False)
         page.state(
             lambda _: LAYOUT.unpack(page.poses[-1])[4] > math.radians(29.9), "arrives", heartbeat=False
