@@ -129,6 +129,7 @@ def test_a_seat_that_is_removed_is_put_out_at_once_and_others_notice_nothing(
         assert names <= {"ana", "ben"}, "the robot stayed connected"
 
 
+@pytest.mark.long("restarts a class")
 def test_a_router_that_cannot_use_the_new_file_says_so_and_tries_again(tmp_path: Path) -> None:
     with ClassRouter(tmp_path) as router, socket.create_server(("127.0.0.1", 0)) as taken:
         router.rewrite(f"port = {router.classroom.router.port}", f"port = {taken.getsockname()[1]}")

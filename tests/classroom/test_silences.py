@@ -129,6 +129,7 @@ def test_doctor_ends_at_a_refused_account(
     assert "beatrix join ana.toml" in found["account"]["todo"]
 
 
+@pytest.mark.long("restarts a class")
 def test_a_program_whose_router_was_lost_does_not_report_that_the_robot_was(tmp_path: Path) -> None:
     """The new router of the seats has no robots until the other one answers it."""
     with ClassRouter(tmp_path) as router:

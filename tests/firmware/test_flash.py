@@ -147,7 +147,8 @@ def test_flashing_succeeds_although_replies_are_damaged() -> None:
         assert hello(avr) is not None
 
 
-@pytest.mark.parametrize(("command", "nth"), [(PROGRAM, 8), pytest.param(READ, PAGES, marks=SLOW)])
+@SLOW
+@pytest.mark.parametrize(("command", "nth"), [(PROGRAM, 8), (READ, PAGES)])
 def test_half_written_firmware_does_not_start_and_the_error_reports_it(command: int, nth: int) -> None:
     with board() as avr:
         put(BenchWire(avr))

@@ -53,6 +53,7 @@ def test_doctor_and_preview_report_twins_with_different_values(
     assert doctor(alone) == {}
 
 
+@pytest.mark.long("starts a robot twice")
 def test_up_passes_its_robot_file_to_both_nodes(lab: Path) -> None:
     endpoint = free_endpoint()
     words = ("up", "--hw", "virtual:", "--name", "bea", "--connect", endpoint, "--robot-file", str(lab))

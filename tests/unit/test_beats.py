@@ -21,7 +21,7 @@ def clicks(bpm: float, first_s: float, rate: int, noise: float, loud: float, sec
     return samples
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(
     st.floats(60, 180),
     st.floats(0, 1.5),

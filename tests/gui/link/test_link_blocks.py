@@ -19,6 +19,7 @@ SWAY = saved(block("forever", DO=[block("turn", ANGLE=40), block("turn", ANGLE=-
 """A program without an end."""
 
 
+@pytest.mark.long("plays in real time")
 def test_lesson_1_as_blocks_moves_the_head_and_names_the_refused_block(linked: Linked, stage: Stage) -> None:
     with stage.robot("bea", "sim", "eve").log() as log:
         linked.do(RunBlocks(1, SIM, lesson_1()))
