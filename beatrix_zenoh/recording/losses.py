@@ -199,9 +199,9 @@ class LossReport:
         for key, text in found.items():
             contested, known = key[1] == CONTESTED, key in self._reported
             if last and not (contested and known):
-                yield Line(LOG, time_ns, time_ns, text, "WARN")
+                yield Line(LOG, time_ns, text, "WARN")
             elif not (last or known) and now_s - self._since_s[key] >= LASTS_S:
                 self._reported.add(key)
                 so_far = text if contested else f"So far: {text}"
                 self._say(so_far)
-                yield Line(LOG, time_ns, time_ns, so_far, "WARN")
+                yield Line(LOG, time_ns, so_far, "WARN")

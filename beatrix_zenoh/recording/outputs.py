@@ -23,10 +23,10 @@ DUE_SHARE: Final = 0.1
 DUE_S: Final = 60.0
 """Rows are due when they are older than this share of the file's length, at most DUE_S.
 
-A killed recorder loses the rows that are not due yet. But each chunk takes 0.3 kB of the file beside its rows, and 1.4 kB
+A killed recorder loses the rows that are not due yet. But each chunk takes 0.3 kB of the file beside its rows, and 1 kB
 of memory until the file is complete, because Rerun keeps a table of all chunks for the end of the file.
 """
-CHUNK_BYTES: Final = 2_000_000
+CHUNK_BYTES: Final = 4_000_000
 """Pictures and sound of this size are due at once."""
 FLUSH_S: Final = 5.0
 CLOSE_S: Final = 10.0

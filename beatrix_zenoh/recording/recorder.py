@@ -194,13 +194,13 @@ class Recorder:
         match value:
             case Positions():
                 self._last[place] = arrival.t_mono_ns, time_ns
-                yield from rows.back(time_ns, value.t_wall_ns)
+                yield from rows.back(time_ns)
                 if rows.repeats(value, stale=stale):
                     self._losses.count((place, POSITIONS)).repeated += 1
                     return
                 self.samples += 1
                 yield from rows.positions(value, time_ns)
-                yield from self._difference(place, rows, time_ns, value.t_wall_ns)
+                yield from self._difference(place, rows, time_ns)
             case Status():
                 yield from rows.status(value, time_ns)
             case Event():
@@ -212,12 +212,10 @@ class Recorder:
                 self._show(replace(self._shown, with_sound=self._shown.with_sound | {place}))
                 yield from rows_of_sound(place, value, time_ns)
 
-    def _difference(
-        self, place: Place, rows: RobotRows, time_ns: int, robot_ns: int
-    ) -> Iterator[RecordingRow]:
+    def _difference(self, place: Place, rows: RobotRows, time_ns: int) -> Iterator[RecordingRow]:
         for grid_ns, angles in self._differences[place[0]].add(place[1], time_ns, rows.angles):
-            yield Numbers(of_difference(place[0], "arms"), grid_ns, robot_ns, angles[:3])
-            yield Numbers(of_difference(place[0], "head"), grid_ns, robot_ns, angles[3:])
+            yield Numbers(of_difference(place[0], "arms"), grid_ns, angles[:3])
+            yield Numbers(of_difference(place[0], "head"), grid_ns, angles[3:])
 
     def _picture(self, place: Place, image: CameraImage, time_ns: int) -> Iterator[RecordingRow]:
         """Yield the row of a picture if one is due."""
@@ -228,7 +226,7 @@ class Recorder:
             return
         self._picture_due_ns[path] = max(due_ns, time_ns - self._picture_period_ns) + self._picture_period_ns
         self._show(replace(self._shown, with_pictures=self._shown.with_pictures | {place}))
-        yield Frame(path, time_ns, image.t_wall_ns, image.jpeg)
+        yield Frame(path, time_ns, image.jpeg)
 
     def _lost_robots(self) -> Iterator[RecordingRow]:
         """Yield the state LOST of each robot that no longer publishes positions."""

@@ -39,15 +39,10 @@ MARK = f"{RECORDER}/note"
 
 @dataclass(frozen=True)
 class RecordingRow:
-    """One value of an entity.
-
-    `time_ns` is the source's time by the clock of the recording computer, since 1970; `robot_ns` the same moment by the
-    robot's own wall clock.
-    """
+    """One value of an entity; `time_ns` is the source's time by the clock of the recording computer, since 1970."""
 
     path: str
     time_ns: int
-    robot_ns: int
 
 
 @dataclass(frozen=True)
@@ -55,6 +50,8 @@ class Numbers(RecordingRow):
     """Numbers of a plot: deg, deg/s or counts."""
 
     values: tuple[float, ...]
+    robot_ns: int | None = None
+    """the time by the robot's own wall clock (ns since 1970): the arms have it; all rows of an entity, or none"""
 
 
 @dataclass(frozen=True)
@@ -237,7 +234,7 @@ class RobotRows:
     def clock(self, time_ns: int, offset_s: float, bound_s: float) -> Iterator[RecordingRow]:
         """Yield a measured offset of the robot's clock and its largest error (s); each new file begins with the last."""
         self._clock = time_ns, offset_s, bound_s
-        yield Numbers(of_robot(self.place, "clock"), time_ns, time_ns, (offset_s, bound_s))
+        yield Numbers(of_robot(self.place, "clock"), time_ns, (offset_s, bound_s))
 
     def repeats(self, positions: Positions, *, stale: bool) -> bool:
         """Return whether positions only repeat those of the last rows: the node had no new telemetry.
@@ -255,9 +252,9 @@ class RobotRows:
         `repeats` is the number of publications just before that only repeated the rows before them; without a row it
         is 0, and a 0 after another number has a row.
         """
-        stamp = (time_ns, positions.t_wall_ns)
+        arms, measured = positions.position, arms_deg(positions.position)
+        yield Numbers(of_robot(self.place, "arms"), time_ns, measured, positions.t_wall_ns)
         numbers = {
-            "arms": arms_deg(positions.position),
             "commanded": arms_deg(positions.commanded),
             "head": head_deg(positions.head),
             "velocity": arms_deg(positions.velocity),
@@ -266,19 +263,18 @@ class RobotRows:
         if self._repeats or self._repeats_row != 0:
             numbers["repeats"] = (float(self._repeats),)
         self._written_ns, self._repeats_row, self._repeats = positions.t_mono_ns, self._repeats, 0
-        self.angles = numbers["arms"] + numbers["head"]
+        self.angles = measured + numbers["head"]
         body = positions.head
         if positions.head_measured is not None:
             body = positions.head_measured
             numbers["head_measured"] = head_deg(body)
         for what, values in numbers.items():
-            yield Numbers(of_robot(self.place, what), *stamp, values)
-        arms = positions.position
+            yield Numbers(of_robot(self.place, what), time_ns, values)
         rotation = rotation_of(body.yaw, body.pitch, body.roll)
         for path, turn in self.figure.rotations((arms.x, arms.y, arms.z), rotation).items():
             if moved(self._turns.get(path), turn):
                 self._turns[path] = turn
-                yield BodyTurn(of_model(self.place, path), *stamp, turn)
+                yield BodyTurn(of_model(self.place, path), time_ns, turn)
 
     def begin_again(self) -> list[RecordingRow]:
         """Let the next publications repeat all bodies and the state, for a new file or viewer; return the clock again."""
@@ -291,25 +287,26 @@ class RobotRows:
         self._status = status
         if status.moving or not status.enabled:
             self._stopped = False
-        yield from self._changed_to(self._state_now(), time_ns, status.t_wall_ns)
+        yield from self._changed_to(self._state_now(), time_ns)
 
     def event(self, event: Event, time_ns: int) -> Iterator[RecordingRow]:
         """Yield the event as a line, and the state if a STOP changes it."""
-        stamp = (time_ns, event.t_wall_ns)
         text = f"{clock(time_ns)}  {self.place[0]} {self.place[1]}:  {sentence(event)}"
-        yield Line(of_robot(self.place, "events"), *stamp, text, level_of(event), encode_json(event).decode())
+        yield Line(
+            of_robot(self.place, "events"), time_ns, text, level_of(event), encode_json(event).decode()
+        )
         if event.kind is EventKind.STOP and event.action != "EMERGENCY_STOP":
             self._stopped = True
-            yield from self._changed_to(self._state_now(), *stamp)
+            yield from self._changed_to(self._state_now(), time_ns)
 
     def lost(self, time_ns: int) -> Iterator[RecordingRow]:
         """Yield the state LOST, once: the positions of the robot have ended."""
-        yield from self._changed_to(BarState.LOST, time_ns, time_ns)
+        yield from self._changed_to(BarState.LOST, time_ns)
 
-    def back(self, time_ns: int, robot_ns: int) -> Iterator[RecordingRow]:
+    def back(self, time_ns: int) -> Iterator[RecordingRow]:
         """Yield the present state of a robot that was lost and publishes positions again."""
         if self._state is BarState.LOST and self._status is not None:
-            yield from self._changed_to(self._state_now(), time_ns, robot_ns)
+            yield from self._changed_to(self._state_now(), time_ns)
 
     def _state_now(self) -> BarState:
         if self._status is None:
@@ -317,13 +314,13 @@ class RobotRows:
         state = state_of(self._status)
         return BarState.STOPPED if self._stopped and state is BarState.READY else state
 
-    def _changed_to(self, state: BarState, time_ns: int, robot_ns: int) -> Iterator[RecordingRow]:
+    def _changed_to(self, state: BarState, time_ns: int) -> Iterator[RecordingRow]:
         if state is not self._state:
             self._state = state
             # The event of a STOP may arrive after the status that it has caused, with an earlier time. The viewer shows
             # the state with the latest time, so the times must ascend.
             self._since_ns = max(time_ns, self._since_ns + 1)
-            yield Bar(of_robot(self.place, "state"), self._since_ns, robot_ns, state)
+            yield Bar(of_robot(self.place, "state"), self._since_ns, state)
 
 
 def moved(before: Quaternion | None, now: Quaternion) -> bool:

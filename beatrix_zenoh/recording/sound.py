@@ -37,16 +37,16 @@ def rows_of(place: Place, block: Sound, time_ns: int) -> Iterator[RecordingRow]:
 
     The waveform is the largest amplitude of 10 ms: that of the left ear upwards, that of the right ear downwards.
     """
-    path, stamp = of_robot(place, "microphones"), (time_ns, block.t_wall_ns)
+    path = of_robot(place, "microphones")
     samples = np.rint(block.samples * FULL_SCALE).astype("<i2")  # exact: the published numbers again
-    yield SoundRow(path, *stamp, samples.tobytes(), block.rate, block.seq)
-    yield Numbers(f"{path}/level", *stamp, block.level)
+    yield SoundRow(path, time_ns, samples.tobytes(), block.rate, block.seq)
+    yield Numbers(f"{path}/level", time_ns, block.level)
     begin = 0
     for piece in np.array_split(np.abs(block.samples), PIECES):
         if len(piece):
             after_ns = begin * 1_000_000_000 // block.rate
             left, right = piece.max(axis=0).tolist()
-            yield Numbers(f"{path}/wave", time_ns + after_ns, block.t_wall_ns + after_ns, (left, -right))
+            yield Numbers(f"{path}/wave", time_ns + after_ns, (left, -right))
             begin += len(piece)
 
 

@@ -371,5 +371,5 @@ class NoteInbox:
 def rows_of(note: Note) -> Iterator[RecordingRow]:
     """Yield a line of the log, and a mark on the time line that lasts until the next note."""
     text = f"{clock(note.time_ns)}  note by {note.seat}:  {note.text}"
-    yield Line(NOTES, note.time_ns, note.time_ns, text, "INFO", encode_json(note).decode())
-    yield Bar(MARK, note.time_ns, note.time_ns, note.text)
+    yield Line(NOTES, note.time_ns, text, "INFO", encode_json(note).decode())
+    yield Bar(MARK, note.time_ns, note.text)

@@ -29,10 +29,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = tmp_path_factory.mktemp("page")
     file = io.BytesIO()
     Image.new("RGB", (64, 48)).save(file, "JPEG")
-    pictures = [Frame("bea1/sim/camera/left", at_ns, at_ns, file.getvalue()) for at_ns in times(2)]
+    pictures = [Frame("bea1/sim/camera/left", at_ns, file.getvalue()) for at_ns in times(2)]
     write_lesson(made / "lesson.rrd", PLACES, rows=100, more=pictures)
     later = [
-        Numbers(f"bea1/hw/{what}", time_ns, time_ns, (1.0, 2.0, 3.0))
+        Numbers(f"bea1/hw/{what}", time_ns, (1.0, 2.0, 3.0))
         for what in ("arms", "commanded", "head")
         for time_ns in (BEGAN_NS + 300 * STEP_NS, BEGAN_NS + 301 * STEP_NS)
     ]

@@ -38,10 +38,9 @@ class Feed:
         stamp = 1_763_000_000_000_000_000 + self.count * 20_000_000
         self.count += 1
         rows: list[RecordingRow] = [
-            Numbers(of_robot(SIM, what), stamp, stamp, (1.0, 2.0, 3.0))
-            for what in ("arms", "commanded", "head")
+            Numbers(of_robot(SIM, what), stamp, (1.0, 2.0, 3.0)) for what in ("arms", "commanded", "head")
         ]
-        rows += [Frame(of_robot(SIM, "camera", "left"), stamp, stamp, PICTURE)] * 4
+        rows += [Frame(of_robot(SIM, "camera", "left"), stamp, PICTURE)] * 4
         self.output.write(rows)
         self.now_s += PROBE_S + PERIOD_S
         restarted = self.output.update(self.now_s)
@@ -119,7 +118,7 @@ def test_a_suspended_viewer_needs_no_memory_of_the_recorder_and_gets_rows_again(
         feed.until(connected=False)
         before = resident_mb()
         for _ in range(100):  # 20 MB of pictures
-            feed.output.write([Frame("bea/sim/camera/left", 0, 0, PICTURE)] * 4)
+            feed.output.write([Frame("bea/sim/camera/left", 0, PICTURE)] * 4)
         feed.feed()
         assert resident_mb() - before < 8
         assert feed.output.left_out > 400

@@ -32,7 +32,7 @@ def write_lesson(
     for place in places:
         for what in ("arms", "commanded", "head"):
             stream.send([
-                Numbers(of_robot(place, what), time_ns, time_ns, tuple(np.degrees(row).tolist()))
+                Numbers(of_robot(place, what), time_ns, tuple(np.degrees(row).tolist()), time_ns)
                 for time_ns, row in zip(times(rows), angles.astype(np.float64), strict=True)
             ])  # fmt: skip
     stream.send(more)

@@ -25,10 +25,10 @@ NOT_READ = b"no picture"
 def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A recording of 6 s of two robots, one of them without hardware; both sides of the other one see and hear."""
     path = tmp_path_factory.mktemp("lesson") / "lesson.rrd"
-    more: list[RecordingRow] = [Frame("ada/sim/camera/left", BEGAN_NS, BEGAN_NS, NOT_READ)]
+    more: list[RecordingRow] = [Frame("ada/sim/camera/left", BEGAN_NS, NOT_READ)]
     for side in ("sim", "hw"):
-        more += [Frame(f"ada/{side}/camera/right", at, at, NOT_READ) for at in times(2)]
-        more.append(SoundRow(f"ada/{side}/microphones", BEGAN_NS, BEGAN_NS, bytes(3840), 48_000, 0))
+        more += [Frame(f"ada/{side}/camera/right", at, NOT_READ) for at in times(2)]
+        more.append(SoundRow(f"ada/{side}/microphones", BEGAN_NS, bytes(3840), 48_000, 0))
     write_lesson(path, PLACES, more=more)
     return path
 

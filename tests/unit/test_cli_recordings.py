@@ -36,7 +36,7 @@ def write(path: Path, robots: dict[Place, float]) -> None:
         arms = np.add(commanded, (0.0, OFF_DEG if place[1] == "hw" else 0.0, 0.0))
         for name, angles in (("arms", arms), ("commanded", commanded), ("head", arms)):
             rows += [
-                Numbers(of_robot(place, name), BEGAN_NS + round(at * 1e9), BEGAN_NS, tuple(row))
+                Numbers(of_robot(place, name), BEGAN_NS + round(at * 1e9), tuple(row))
                 for at, row in zip(t, angles, strict=True)
             ]
     write_lesson(path, [*robots], 0, rows)

@@ -50,7 +50,7 @@ def eye(place: tuple[str, str], which: str, pictures: Sequence[bytes] = ()) -> l
     """Return the rows of an eye's pictures at TIMES_MS."""
     path = of_robot(place, "camera", which)
     return [
-        Frame(path, BEGAN_NS + ms * 1_000_000, BEGAN_NS, picture)
+        Frame(path, BEGAN_NS + ms * 1_000_000, picture)
         for ms, picture in zip(TIMES_MS, pictures or map(jpeg, COLOURS), strict=True)
     ]
 

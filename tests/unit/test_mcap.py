@@ -57,13 +57,13 @@ def lesson(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A recording of both sides of one robot, of which the simulation has more values, with an event and a note."""
     path = tmp_path_factory.mktemp("lesson") / "lesson.rrd"
     more: list[RecordingRow] = [
-        Line("ada/hw/events", AT_NS, AT_NS, "refused", "WARN", encode_json(REFUSED).decode()),
-        Line(NOTES, AT_NS, AT_NS, "a note", "INFO", encode_json(NOTE).decode()),
+        Line("ada/hw/events", AT_NS, "refused", "WARN", encode_json(REFUSED).decode()),
+        Line(NOTES, AT_NS, "a note", "INFO", encode_json(NOTE).decode()),
     ]
     for row in range(ROWS):
         at_ns = BEGAN_NS + row * STEP_NS
-        more.append(Numbers("ada/sim/seq", at_ns, at_ns, (float(row + 3),)))
-        more.append(Numbers("ada/sim/head_measured", at_ns, at_ns, (1.0, 2.0, -3.0)))
+        more.append(Numbers("ada/sim/seq", at_ns, (float(row + 3),)))
+        more.append(Numbers("ada/sim/head_measured", at_ns, (1.0, 2.0, -3.0)))
     write_lesson(path, PLACES, rows=ROWS, more=more)
     return path
 

@@ -46,7 +46,7 @@ def sample(index: int, place: Place = SIM, values: tuple[float, ...] | None = No
     time_ns = BEGAN_NS + index * STEP_NS
     values = (index, 0.0, -index) if values is None else values
     return [
-        Numbers(of_robot(place, what), time_ns, time_ns - 7, values) for what in ("arms", "commanded", "head")
+        Numbers(of_robot(place, what), time_ns, values, time_ns - 7) for what in ("arms", "commanded", "head")
     ]
 
 
@@ -103,7 +103,7 @@ class Recorded:
                 self.samples += 1
             now_ns = BEGAN_NS + self.samples * STEP_NS
             self.output.write([
-                Frame(of_robot(SIM, "camera", "left"), now_ns, now_ns, picture) for picture in pictures
+                Frame(of_robot(SIM, "camera", "left"), now_ns, picture) for picture in pictures
             ])  # fmt: skip
             self.output.update(self._began_s + self.samples / 50)
 
@@ -117,7 +117,7 @@ class Recorded:
 
 
 def test_chunks_become_few_in_a_long_recording(tmp_path: Path, messages: list[str]) -> None:
-    """Until the end of a file Rerun keeps 1.4 kB of memory for each chunk, and a chunk takes 0.3 kB beside its rows."""
+    """Until the end of a file Rerun keeps 1 kB of memory for each chunk, and a chunk takes 0.3 kB beside its rows."""
     recorded = Recorded(tmp_path / "long.rrd", messages.append)
     recorded.until(300.0)
     first, length = recorded.chunks, recorded.path.stat().st_size
@@ -149,11 +149,11 @@ def test_a_killed_recorder_loses_a_tenth_and_at_most_a_minute(
 def test_samples_events_states_and_differences_are_written_and_read(tmp_path: Path) -> None:
     path = tmp_path / "lesson.rrd"
     other = [
-        Line(of_robot(SIM, "events"), BEGAN_NS, BEGAN_NS, "ana stop: At rest.", "ERROR"),
-        Line(of_robot(SIM, "events"), BEGAN_NS, BEGAN_NS, "ben look: Refused.", "WARN"),  # at the same time
-        Bar(of_robot(SIM, "state"), BEGAN_NS, BEGAN_NS, "ready"),
-        Bar(of_robot(SIM, "state"), BEGAN_NS + STEP_NS, BEGAN_NS, "moving"),
-        Numbers(of_difference("bea", "arms"), BEGAN_NS, BEGAN_NS, (1.0, 2.0, 3.0)),
+        Line(of_robot(SIM, "events"), BEGAN_NS, "ana stop: At rest.", "ERROR"),
+        Line(of_robot(SIM, "events"), BEGAN_NS, "ben look: Refused.", "WARN"),  # at the same time
+        Bar(of_robot(SIM, "state"), BEGAN_NS, "ready"),
+        Bar(of_robot(SIM, "state"), BEGAN_NS + STEP_NS, "moving"),
+        Numbers(of_difference("bea", "arms"), BEGAN_NS, (1.0, 2.0, 3.0)),
     ]
     samples = [row for index in range(10) for place in (SIM, HW) for row in sample(index, place)]
     write_lesson(path, [SIM, HW], 0, [*samples, *other])
@@ -190,7 +190,7 @@ def test_a_recording_says_what_it_is(tmp_path: Path) -> None:
     stream = RowStream("one", path.stem)
     stream.to_file(path)
     stream.describe(first)
-    stream.send([*sample(0), Numbers(of_robot(SIM, "clock"), BEGAN_NS, BEGAN_NS, (-12.5, 0.25))])
+    stream.send([*sample(0), Numbers(of_robot(SIM, "clock"), BEGAN_NS, (-12.5, 0.25))])
     assert stream.flush(30.0)
     stream.describe(last)
     assert stream.flush(30.0)

@@ -69,7 +69,7 @@ def test_a_robot_without_positions_is_lost_until_they_return(rows_of_robot: Robo
         *rows_of_robot.status(READY, NOW_NS),
         *rows_of_robot.lost(NOW_NS),
         *rows_of_robot.lost(NOW_NS),
-        *rows_of_robot.back(NOW_NS, NOW_NS),
+        *rows_of_robot.back(NOW_NS),
         *rows_of_robot.status(READY, NOW_NS),
     ]
     assert [row.state for row in rows if isinstance(row, Bar)] == ["ready", "lost", "ready"]

@@ -31,14 +31,14 @@ def more() -> list[RecordingRow]:
     Image.new("RGB", (32, 24)).save(file, "JPEG")
     found: list[RecordingRow] = []
     for index, at in enumerate(times(ROWS)):
-        found.append(SoundRow("bea/sim/microphones", at, at, bytes([index]) * 3840, 48_000, index))
-        found += [Numbers(f"{name}/{side}/seq", at, at, (index,)) for name, side in (SIM, HW)]
+        found.append(SoundRow("bea/sim/microphones", at, bytes([index]) * 3840, 48_000, index))
+        found += [Numbers(f"{name}/{side}/seq", at, (index,)) for name, side in (SIM, HW)]
         if index % 10 == 3:
-            found.append(Frame("bea/sim/camera/left", at, at, file.getvalue()))
-            found.append(Line(NOTES, at, at, "n", "INFO", encode_json(Note(at, "ana", f"n{index}")).decode()))
-            found.append(Line("bea/sim/events", at, at, f"line {index}", "INFO"))
-            found.append(Bar("bea/sim/state", at, at, f"state {index}"))
-            found.append(Numbers("bea/sim/clock", at, at, (0.5, 0.1)))
+            found.append(Frame("bea/sim/camera/left", at, file.getvalue()))
+            found.append(Line(NOTES, at, "n", "INFO", encode_json(Note(at, "ana", f"n{index}")).decode()))
+            found.append(Line("bea/sim/events", at, f"line {index}", "INFO"))
+            found.append(Bar("bea/sim/state", at, f"state {index}"))
+            found.append(Numbers("bea/sim/clock", at, (0.5, 0.1)))
     return found
 
 
@@ -152,7 +152,7 @@ def other(folder: Path, write: Callable[[rr.RecordingStream], None]) -> Path:
 def merged(lesson: Path, folder: Path, shift_ns: int) -> Path:
     """Merge a recording with another one of the same robot."""
     rows: list[RecordingRow] = [
-        Numbers(f"bea/sim/{what}", BEGAN_NS + shift_ns + index * STEP_NS, BEGAN_NS, (1.0, 2.0, 3.0))
+        Numbers(f"bea/sim/{what}", BEGAN_NS + shift_ns + index * STEP_NS, (1.0, 2.0, 3.0))
         for what in ("arms", "commanded", "head")
         for index in range(100)
     ]

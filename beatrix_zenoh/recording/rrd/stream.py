@@ -39,6 +39,7 @@ class Batch:
 
     times: array[int] = field(default_factory=lambda: array("q"))
     robot: array[int] = field(default_factory=lambda: array("q"))
+    """times by the robot's clock, if the entity has them"""
     numbers: array[float] = field(default_factory=lambda: array("d"))
     """the values of `Numbers` and `BodyTurn`: as objects they would take five times the memory"""
     rows: list[RecordingRow] = field(default_factory=list)
@@ -49,7 +50,8 @@ class Batch:
     def add(self, row: RecordingRow) -> None:
         """Add a row."""
         self.times.append(row.time_ns)
-        self.robot.append(row.robot_ns)
+        if isinstance(row, Numbers) and row.robot_ns is not None:
+            self.robot.append(row.robot_ns)
         match row:
             case Numbers(values=numbers) | BodyTurn(quaternion=numbers):
                 self.numbers.extend(numbers)
@@ -136,11 +138,11 @@ class RowStream:
     def send_batches(self, batches: Mapping[str, Batch]) -> None:
         """Send batches by the path of their entity, each as one chunk."""
         for path, batch in batches.items():
-            times, robot = (
-                np.array(column, dtype=np.int64).astype("datetime64[ns]")
-                for column in (batch.times, batch.robot)
-            )
-            indexes = [rr.TimeColumn(TIME, timestamp=times), rr.TimeColumn(ROBOT_TIME, timestamp=robot)]
+            indexes = [
+                rr.TimeColumn(name, timestamp=np.array(column, dtype=np.int64).astype("datetime64[ns]"))
+                for name, column in ((TIME, batch.times), (ROBOT_TIME, batch.robot))
+                if column
+            ]
             self._stream.send_columns(path, indexes, columns(batch))
 
     def flush(self, timeout_s: float) -> bool:
@@ -175,8 +177,7 @@ def columns(batch: Batch) -> Iterable[rr.ComponentColumn]:
         case Bar():
             return rr.StateChange.columns(state=[row.state for row in cast("list[Bar]", rows)])
         case Frame():
-            pictures = [row.jpeg for row in cast("list[Frame]", rows)]
-            return rr.EncodedImage.columns(blob=pictures, media_type=["image/jpeg"] * len(pictures))
+            return rr.EncodedImage.columns(blob=[row.jpeg for row in cast("list[Frame]", rows)])
         case SoundRow():
             blocks = cast("list[SoundRow]", rows)
             return rr.AnyValues.columns(
