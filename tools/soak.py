@@ -34,7 +34,7 @@ import soak_figures
 from bench_node import ROOT, Served, free_endpoint
 from bench_pages import Page
 
-from beatrix_zenoh import BeatrixError, Robot, Twin
+from beatrix_zenoh import BeatrixError, Robot, Twin, memory
 from beatrix_zenoh.client import subscription
 from beatrix_zenoh.client.session import Client
 from beatrix_zenoh.client.twin import Plan
@@ -332,6 +332,7 @@ def run(hours: float, folder: Path) -> tuple[str, list[str]]:
     threads: list[threading.Thread] = []
     try:
         processes.start()
+        memory.keep_loaded()  # the pages of this process leave as much as those of a server
         threads = [guarded(soak, work) for work in (drive, watch, visit, browse)]
         measure(soak, processes, book)
     finally:
