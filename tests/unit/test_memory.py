@@ -48,6 +48,7 @@ def test_threads_share_two_pools_unless_the_user_has_chosen(
 
 
 def test_what_is_loaded_is_not_collected_again_and_what_comes_later_is() -> None:
+    before = gc.get_threshold()
     memory.keep_loaded()
     try:
         assert gc.get_freeze_count() > 10_000
@@ -57,3 +58,4 @@ def test_what_is_loaded_is_not_collected_again_and_what_comes_later_is() -> None
         assert gc.collect() > 0
     finally:
         gc.unfreeze()
+        gc.set_threshold(*before)

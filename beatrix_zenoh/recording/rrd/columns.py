@@ -49,7 +49,7 @@ class Column(NamedTuple):
 
     time_ns: Nanoseconds
     robot_ns: Nanoseconds
-    """-1: another program has dropped these times"""
+    """-1: the entity does not have these times, or another program has dropped them"""
     values: npt.NDArray[np.float64] | npt.NDArray[np.object_]
 
 
