@@ -184,7 +184,7 @@ def running_children() -> dict[int, str]:
 
 @pytest.fixture(autouse=True)
 def nothing_left_behind() -> Iterator[None]:
-    """Fail a test that leaves a thread, a child process or a handler of SIGINT."""
+    """Fail a test that leaves a thread, a child process, which is killed, or a handler of SIGINT."""
     threads_before, children_before = running_threads(), running_children()
     yield
     deadline = time.monotonic() + SECONDS_TO_GO
@@ -200,5 +200,7 @@ def nothing_left_behind() -> Iterator[None]:
         if time.monotonic() > deadline:
             break
         pause.wait(0.01)
+    for number in running_children().keys() - children_before.keys():
+        os.kill(number, signal.SIGKILL)  # it would take time from the tests that follow
     left += ["a handler of Ctrl-C"] * (signal.getsignal(signal.SIGINT) is not signal.default_int_handler)
     assert not left, f"left {SECONDS_TO_GO} s after the test: {left}"

@@ -1,6 +1,8 @@
 // Programs of blocks: the editor, which is loaded when its tab is opened first, and the programs that the server keeps.
 import { send } from "./connection.js";
+import { bind, byId } from "./parts.js";
 import { onTab } from "./tabs.js";
+import { text as textOf, view } from "./view.js";
 
 const VENDOR = "/static/vendor/blockly-12.5.1/"; // not below the path of this file, because the content policy has hashes of this text
 const SIZE_MAX = 65536; // of a program (bytes); 600 blocks are smaller
@@ -19,8 +21,7 @@ const CATEGORIES = {
   variables: [["variables_set"], ["math_change"], ["variables_get"]],
 };
 
-const byId = (id) => document.getElementById(id);
-let page; // functions of the page: text, bind; and its view
+let asLesson; // returns what the button Run asks for besides the program
 let workspace = null; // the editor, once it is loaded
 let language = ""; // of the editor
 let types = null; // the blocks of a lesson; null: all
@@ -33,7 +34,7 @@ let timer = 0;
 let marked = ""; // the result that is shown at a block
 let broken = ""; // key of the sentence about a program that the editor cannot show
 
-const text = (key, values) => page.text(`page.block_${key}`, values);
+const text = (key, values) => textOf(`page.block_${key}`, values);
 const current = () => JSON.stringify(Blockly.serialization.workspaces.save(workspace));
 const unsaved = () => Boolean(workspace) && !open.owner && current() !== saved;
 
@@ -41,8 +42,8 @@ const unsaved = () => Boolean(workspace) && !open.owner && current() !== saved;
 
 function define() {
   const number = (name) => ({ type: "input_value", name, check: "Number" });
-  const choice = (name, options, key) => ({ type: "field_dropdown", name, options: options.map((one) => [page.text(key(one)), one]) });
-  const gestures = () => page.view.gestures.gestures.map(([name, emoji, button]) => [`${emoji} ${button.text}`.trim(), name]);
+  const choice = (name, options, key) => ({ type: "field_dropdown", name, options: options.map((one) => [textOf(key(one)), one]) });
+  const gestures = () => view.gestures.gestures.map(([name, emoji, button]) => [`${emoji} ${button.text}`.trim(), name]);
   const part = (one) => (ARMS.includes(one) ? `arm.${one}` : `label.${one}`);
   const block = (type, args = [], more = {}) => ({
     type, message0: text(type), args0: args, tooltip: text(`${type}_tip`), style: "move_blocks",
@@ -108,9 +109,9 @@ const load = (file) => new Promise((done, fail) => {
 
 let loading = null;
 async function start() {
-  if (!page.view.texts["page.block_start"] || byId("blocks").hidden) return;
-  if (language === page.view.language) return void (workspace && Blockly.svgResize(workspace));
-  language = page.view.language;
+  if (!view.texts["page.block_start"] || byId("blocks").hidden) return;
+  if (language === view.language) return void (workspace && Blockly.svgResize(workspace));
+  language = view.language;
   try {
     await (loading ??= load("blockly_compressed").then(() => load("blocks_compressed")).then(adapt));
     await load(`msg/${language}`);
@@ -152,7 +153,7 @@ function inject() {
   Blockly.svgResize(workspace);
   show(program ?? open.program);
   marked = "";
-  if (page.view.blocks) showRun(page.view.blocks);
+  if (view.blocks) showRun(view.blocks);
 }
 
 // Shows a program in the editor; a program that cannot be shown leaves an empty one, and its file as it is.
@@ -196,7 +197,7 @@ function keepAs(name, program) {
 }
 
 function freeName(wanted) {
-  const names = page.view.programs.names.map((one) => one.toLowerCase());
+  const names = view.programs.names.map((one) => one.toLowerCase());
   const numbered = (number) => (number > 1 ? `${wanted} ${number}` : wanted);
   let number = 1;
   while (names.includes(numbered(number).toLowerCase())) number += 1;
@@ -226,11 +227,11 @@ function showRun({ run, end, runs, block, text: result, at }) {
   if (runs) ranAt = Infinity;
   else if (ranAt === Infinity) ranAt = performance.now();
   lost &&= !runs && !result;
-  page.bind(byId("block-run"), run, () => {
-    if (!page.view.you.drives) scrollTo(0, 0); // to the button Drive
-    return { program: keep(true), ...page.asLesson() };
+  bind(byId("block-run"), run, () => {
+    if (!view.you.drives) scrollTo(0, 0); // to the button Drive
+    return { program: keep(true), ...asLesson() };
   });
-  page.bind(byId("block-end"), end);
+  bind(byId("block-end"), end);
   byId("block-run").disabled ||= !workspace;
   byId("block-result").textContent = lost ? text("lost") : result;
   byId("block-result").classList.toggle("refused", Boolean(at));
@@ -250,8 +251,8 @@ function showPrograms({ names, others, python, wrong, note: [key, slots] }) {
   const option = (owner, name) => new Option(owner ? `${owner}: ${name}` : name, JSON.stringify([owner, name]));
   list.replaceChildren(...shown.map((name) => option("", name)), ...others.map(([owner, name]) => option(owner, name)));
   list.value = JSON.stringify([open.owner, open.name]);
-  byId("block-code").value = wrong ? `# ${page.text(...wrong)}` : python;
-  note((broken || key) && page.text(broken || key, slots));
+  byId("block-code").value = wrong ? `# ${textOf(...wrong)}` : python;
+  note((broken || key) && textOf(broken || key, slots));
 }
 
 function showOpened(opened) {
@@ -286,7 +287,7 @@ export function showToolbox(wanted) {
 export function openLesson(name, wanted) {
   showToolbox(wanted);
   if (open.name === name && !open.owner) return;
-  if (page.view.programs.names.includes(name)) {
+  if (view.programs.names.includes(name)) {
     if (workspace) keep();
     send({ do: "open_program", seat: "", name });
   } else if (workspace) keepAs(name, JSON.stringify(NEW));
@@ -307,7 +308,7 @@ async function loadFile({ target }) {
   const [file] = target.files;
   target.value = "";
   const name = file.name.replace(/\.json$/i, "").replace(/[^\p{L}\p{N}_ -]+/gu, " ").trim().slice(0, 36).trim();
-  if (file.size > SIZE_MAX) return note(page.text("page.program_large", { name }));
+  if (file.size > SIZE_MAX) return note(textOf("page.program_large", { name }));
   const program = await file.text();
   try {
     JSON.parse(program).blocks.blocks.map((block) => block.type);
@@ -322,8 +323,8 @@ function copy() {
   note(text(document.execCommand("copy") ? "copied" : "not_copied"));
 }
 
-export function connectBlocks(functions) {
-  page = functions;
+export function connectBlocks(lesson) {
+  asLesson = lesson;
   onTab("drive", () => byId("head").prepend(byId("stage")));
   for (const tab of ["blocks", "lessons"]) onTab(tab, () => { byId("block-stage").append(byId("stage")); start(); });
   onTab("blocks", () => send({ do: "open_program", name: "" })); // other pages have perhaps added programs

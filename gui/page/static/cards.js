@@ -1,22 +1,18 @@
 // The sequence: a card with a picture for each pose; the chosen one is gone to, moved, timed or deleted.
 import { send } from "./connection.js";
 import { portrait } from "./head.js";
+import { bind, byId, make } from "./parts.js";
+import { text, view } from "./view.js";
 
 const STEP_S = 0.2; // change of a duration by one press
 const LEAST_S = 0.1;
 
-const byId = (id) => document.getElementById(id);
-let page = null; // { text, bind, make, view }
 let chosen = ""; // name of the chosen card
-
-export function connectCards(own) {
-  page = own;
-}
 
 export const SEQUENCE = { sequence: showSequence };
 
 function showSequence({ cards, add, play, hardware, undo, played }) {
-  const { text, bind, make } = page, list = byId("cards");
+  const list = byId("cards");
   const shown = JSON.stringify([cards, played]);
   if (list.dataset.shown !== shown) { // a card that is replaced between press and release reports no click
     list.dataset.shown = shown;
@@ -51,12 +47,12 @@ function showSequence({ cards, add, play, hardware, undo, played }) {
 }
 
 function cardOf({ name, head, duration, problem }, played) {
-  const { make } = page, line = make("li"), button = make("button", "", problem ? "card bad" : "card");
+  const line = make("li"), button = make("button", "", problem ? "card bad" : "card");
   const picture = document.createElement("canvas");
   button.dataset.name = name;
   button.classList.toggle("played", played);
   button.append(picture, make("b", name), make("small", problem ? `⚠ ${duration}` : duration));
-  button.onclick = () => { chosen = name; showSequence(page.view.sequence); };
+  button.onclick = () => { chosen = name; showSequence(view.sequence); };
   line.append(button);
   if (head) portrait(picture, head);
   return line;

@@ -1,11 +1,14 @@
 // Shows the pictures of both eyes, and that of the left one beside the head while *Follow* runs; the web socket for them
 // is open only while they are visible.
+import { isOpen } from "./connection.js";
+import { byId } from "./parts.js";
+import { text as textOf, view } from "./view.js";
+
 const RETRY_MS = 1000;
 let socket = null;
 let shown = ""; // robot and side of the socket
 let visible = false;
-let connected = () => false;
-const beside = document.getElementById("eye");
+const beside = byId("eye");
 const images = ["left_eye", "right_eye"].map((name) => {
   const figure = document.createElement("figure");
   const caption = document.createElement("figcaption");
@@ -16,21 +19,20 @@ const images = ["left_eye", "right_eye"].map((name) => {
   return image;
 });
 
-export function connectEyes(isConnected, changed) {
-  connected = isConnected;
+export function connectEyes() {
   document.querySelector("#eyes .pictures").append(...images.map((image) => image.parentElement));
-  new IntersectionObserver((entries) => { visible = entries.at(-1).isIntersecting; changed(); }).observe(document.getElementById("eyes"));
+  new IntersectionObserver((entries) => { visible = entries.at(-1).isIntersecting; showEyes(); }).observe(byId("eyes"));
 }
 
-export function showEyes({ robot, eyes, texts }) {
-  if (!eyes) return;
-  const { side, on, text, follows } = eyes;
+export function showEyes() {
+  if (!view.eyes) return;
+  const { side, on, text, follows } = view.eyes;
   beside.hidden = !follows;
-  document.getElementById("looking").checked = on;
+  byId("looking").checked = on;
   document.querySelector("#eyes .pictures").hidden = !on || Boolean(text);
-  document.getElementById("eyes-hint").textContent = on ? text : texts["page.eyes_off"];
+  byId("eyes-hint").textContent = on ? text : textOf("page.eyes_off");
   const both = on && !text && visible;
-  const wanted = (both || follows) && !document.hidden && connected() ? `robot=${robot}&side=${side}${both ? "" : "&eye=left"}` : "";
+  const wanted = (both || follows) && !document.hidden && isOpen() ? `robot=${view.robot}&side=${side}${both ? "" : "&eye=left"}` : "";
   if (wanted !== shown) open(wanted);
 }
 

@@ -1,19 +1,20 @@
 // A gamepad: its sticks turn the head, three buttons play gestures, and one is STOP.
 import { send } from "./connection.js";
 import { seenFromFront } from "./head.js";
+import { byId } from "./parts.js";
+import { stop } from "./stop.js";
+import { view } from "./view.js";
 
 const PERIOD_MS = 60;
 const IDLE = 0.15; // deflection of a stick that nobody touches
 const STOP = 1; // B or ○, in the standard mapping
 const GESTURES = { 0: "yes", 2: "no", 3: "hello" }; // A, X and Y, or ✕, □ and △
 
-let page = null; // { view, stop }
 let timer = 0, steers = false, pressed = new Set();
 
-export function connectGamepad(own) {
-  page = own;
+export function connectGamepad() {
   addEventListener("gamepadconnected", () => {
-    document.getElementById("pad").hidden = false;
+    byId("pad").hidden = false;
     timer ||= setInterval(read, PERIOD_MS);
   });
   document.addEventListener("visibilitychange", () => { if (document.hidden) rest(); });
@@ -28,7 +29,7 @@ function read() {
   if (!pad) {
     clearInterval(timer);
     timer = 0;
-    document.getElementById("pad").hidden = true;
+    byId("pad").hidden = true;
     return rest();
   }
   const [x, y, tilt] = pad.axes.map(deflection), side = seenFromFront() ? 1 : -1;
@@ -48,7 +49,7 @@ function rest() {
 function press(index, down) {
   if (!down || pressed.has(index)) return down || pressed.delete(index);
   pressed.add(index);
-  if (index === STOP) return page.stop();
-  const [, button] = page.view.gestures?.gestures.find(([name]) => name === GESTURES[index]) ?? [];
+  if (index === STOP) return stop();
+  const [, button] = view.gestures?.gestures.find(([name]) => name === GESTURES[index]) ?? [];
   if (button?.enabled) send(button.intent);
 }

@@ -1,8 +1,6 @@
 // The strip above the head: the present step or mission, and after the last one the way to the lessons.
+import { bind, byId } from "./parts.js";
 import { openTab } from "./tabs.js";
-
-const byId = (id) => document.getElementById(id);
-let bind; // shows a button of the view
 
 export const GUIDE = { guide: show };
 
@@ -18,7 +16,6 @@ function show(guide) {
   byId("guide-lessons").hidden = Boolean(guide.skip);
 }
 
-export function connectGuide(own) {
-  bind = own.bind;
+export function connectGuide() {
   byId("guide-lessons").onclick = () => openTab("lessons");
 }

@@ -1,6 +1,9 @@
 // The head in three dimensions: draws the robots from their poses, the target, and its limits; a drag moves the target.
+import { aim, grab, releaseHead, targetNow } from "./aim.js";
 import { dragged, furthest, leans, onHead, orientations, picked, rotationOf, screenOf } from "./body.js";
 import { flat, webgl } from "./paint.js";
+import { set } from "./parts.js";
+import { text, view } from "./view.js";
 
 const SIDES = ["sim", "hw"]; // by the number in a message of a pose
 const DEG = 180 / Math.PI;
@@ -22,12 +25,12 @@ const poses = {}; // by side: arms (rad), head (deg), and the message
 const others = {}; // the same of the robot that is drawn small, beside the own one
 const small = document.querySelector("#beside canvas");
 const camera = { azimuth: 0, elevation: 12 };
-let page = null; // { view, target, aim, grab, release, turned, drawn }
+let drawn; // is called when the robots have just been drawn
 let drawnSmall = ""; // what is drawn small
 let model = null, paint = null, paintSmall = null, drag = null, orbit = null, over = null, frame = 0, rest = 0;
 
-export async function connectHead(own) {
-  page = own;
+export async function connectHead(whenDrawn) {
+  drawn = whenDrawn;
   model = await (await fetch("/head.json")).json();
   const chip = hasGraphicsChip();
   const renew = () => { paint = chip ? webgl(canvas, model) : flat(canvas, model); changed(); };
@@ -44,7 +47,7 @@ export async function connectHead(own) {
   }, { passive: false });
   document.getElementById("around").onclick = () => {
     Object.assign(camera, { azimuth: seenFromFront() ? 180 : 0, elevation: 12 });
-    page.turned();
+    showAround();
     changed();
   };
 }
@@ -56,6 +59,10 @@ function hasGraphicsChip() {
 }
 
 export const seenFromFront = () => Math.cos(camera.azimuth / DEG) > 0;
+
+export function showAround() {
+  set(document.getElementById("around"), text(seenFromFront() ? "page.from_behind" : "page.from_front"));
+}
 
 export function receivePose(data) {
   const [number] = new Uint8Array(data, 0, 1), side = SIDES[number % 2], known = number < 2 ? poses : others;
@@ -92,12 +99,12 @@ export function portrait(sheet, head) {
 }
 
 const apart = (one, other) => ["yaw", "pitch", "roll"].some((name) => Math.abs(one[name] - other[name]) > NEAR_DEG);
-const poseOf = (side) => page.view.head[side] && poses[side];
+const poseOf = (side) => view.head[side] && poses[side];
 const turnsOf = ({ arms, head }) => orientations(model.rods, arms, rotationOf(head));
-const strainOf = (target) => Math.hypot(target.pitch, target.roll) / furthest(page.view.border, target);
+const strainOf = (target) => Math.hypot(target.pitch, target.roll) / furthest(view.border, target);
 
 function figures({ solid, shown, silent }, aims) {
-  const target = page.target(), other = SIDES.find((side) => side !== solid), found = [];
+  const target = targetNow(), other = SIDES.find((side) => side !== solid), found = [];
   const own = shown && poses[solid], beside = poseOf(other);
   if (own) found.push({ turns: turnsOf(own), ...(silent ? GREY : { tint: [0, 0, 0], share: 0, alpha: 1 }) });
   if (beside && !(own && !apart(beside.head, own.head))) {
@@ -113,8 +120,8 @@ function figures({ solid, shown, silent }, aims) {
 // Draws the robot beside the own one: the hardware solid, and its twin as a ghost where it is elsewhere.
 function drawSmall() {
   const { hw, sim } = others, { clientWidth: width, clientHeight: height } = small;
-  const wanted = [page.view.you.beside, width, hw?.message, sim?.message].join(" ");
-  if (!page.view.you.beside || !width || !(hw ?? sim) || wanted === drawnSmall) return;
+  const wanted = [view.you.beside, width, hw?.message, sim?.message].join(" ");
+  if (!view.you.beside || !width || !(hw ?? sim) || wanted === drawnSmall) return;
   drawnSmall = wanted;
   Object.assign(small, { width: width * devicePixelRatio, height: height * devicePixelRatio });
   const found = [{ turns: turnsOf(hw ?? sim), tint: [0, 0, 0], share: 0, alpha: 1 }];
@@ -124,16 +131,16 @@ function drawSmall() {
 
 function draw() {
   frame = 0;
-  const { clientWidth: width, clientHeight: height } = marks, { head } = page.view;
+  const { clientWidth: width, clientHeight: height } = marks, { head } = view;
   if (!paint || !head || !width) return;
   const ratio = Math.min(devicePixelRatio, 2), screen = screenOf(camera, width, height);
   for (const sheet of [canvas, marks]) {
     if (sheet.width !== Math.round(width * ratio)) sheet.width = Math.round(width * ratio);
     if (sheet.height !== Math.round(height * ratio)) sheet.height = Math.round(height * ratio);
   }
-  const aims = Boolean(head.shown) && (drag !== null || apart(head.shown, page.target()));
+  const aims = Boolean(head.shown) && (drag !== null || apart(head.shown, targetNow()));
   paint(figures(head, aims), screen);
-  page.drawn();
+  drawn();
   drawSmall();
   const pen = marks.getContext("2d");
   pen.setTransform(ratio, 0, 0, ratio, 0, 0);
@@ -159,7 +166,7 @@ function ring(pen, [x, y], radius, name, width) {
 }
 
 function drawMarks(pen, screen, { drag: { refused, reason }, yaw_max: yawMax }, aims) {
-  const target = page.target(), strain = strainOf(target), { border } = page.view, held = drag?.part ?? over;
+  const target = targetNow(), strain = strainOf(target), { border } = view, held = drag?.part ?? over;
   const at = (point) => onHead(screen, target, point);
   if (aims || strain > GLOW) {
     const crowns = leans(border, target).map((lean) => onHead(screen, lean, model.crown));
@@ -195,8 +202,8 @@ function pointOf({ clientX, clientY }) {
 
 // The part of the target, or of a robot if that is elsewhere, at an event; null: the ground.
 function part(event) {
-  if (!model || !page.view.head?.shown) return null;
-  const heads = [page.target(), ...SIDES.map((side) => poseOf(side)?.head)].filter(Boolean);
+  if (!model || !view.head?.shown) return null;
+  const heads = [targetNow(), ...SIDES.map((side) => poseOf(side)?.head)].filter(Boolean);
   const found = heads.map((head) => picked(model, screenNow(), head, ...pointOf(event), EAR_PX[event.pointerType] ?? 24));
   return found.find(Boolean) ?? null;
 }
@@ -206,8 +213,8 @@ function press(event) {
   const [x, y] = pointOf(event), grabbed = part(event);
   marks.setPointerCapture(event.pointerId);
   if (grabbed) {
-    drag = { screen: screenNow(), start: page.target(), part: grabbed, x, y };
-    page.grab();
+    drag = { screen: screenNow(), start: targetNow(), part: grabbed, x, y };
+    grab();
   } else orbit = { x, y, ...camera };
   changed();
 }
@@ -215,10 +222,10 @@ function press(event) {
 function move(event) {
   const [x, y] = pointOf(event);
   if (drag) {
-    page.aim(dragged(drag, x, y, page.view.head.tilt_max, page.view.head.yaw_max));
+    aim(dragged(drag, x, y, view.head.tilt_max, view.head.yaw_max));
   } else if (orbit) {
     camera.azimuth = orbit.azimuth - (x - orbit.x) * ORBIT_DEG;
-    page.turned();
+    showAround();
     camera.elevation = Math.max(-10, Math.min(80, orbit.elevation + (y - orbit.y) * ORBIT_DEG));
   } else {
     hover(part(event));
@@ -235,7 +242,7 @@ function hover(now) {
 }
 
 function release() {
-  if (drag) page.release();
+  if (drag) releaseHead();
   drag = orbit = null;
   hover(null);
   changed();

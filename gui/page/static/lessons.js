@@ -1,22 +1,21 @@
 // Lessons: their text and hints beside the blocks that they need; running the blocks is the check.
 import { openLesson, showToolbox } from "./blocks.js";
 import { send } from "./connection.js";
+import { byId, make } from "./parts.js";
 import { onTab } from "./tabs.js";
+import { text, view } from "./view.js";
 
 const MARKS = { passed: "✓", tried: "○" };
 const KINDS = { heading: "h3", text: "p", item: "li" };
 
-const byId = (id) => document.getElementById(id);
-let page; // functions of the page: text, make; and its view
 let shown = ""; // lesson and language of the text that is shown
 let asked = false; // whether a hint was asked for
 let offered = ""; // the lesson whose blocks are offered
 
 const opens = () => document.body.dataset.tab === "lessons";
-const chosen = () => page.view.lessons.find((one) => one.name === localStorage.getItem("lesson")) ?? page.view.lessons[0];
+const chosen = () => view.lessons.find((one) => one.name === localStorage.getItem("lesson")) ?? view.lessons[0];
 
 function show() {
-  const { view, text, make } = page;
   if (!view.lessons || !view.studied) return;
   const lesson = chosen(), { hints = [], more = 3 } = view.studied[lesson.name] ?? {};
   const mark = ({ name }) => (view.studied[name]?.passed ? MARKS.passed : view.studied[name]?.tries ? MARKS.tried : " ");
@@ -43,10 +42,10 @@ function drawn(svg, image, alt) {
 }
 
 function showCheck({ lesson, checks, result, asked, found, means, picture }) {
-  const { text, make } = page, box = byId("lesson-check");
+  const box = byId("lesson-check");
   box.hidden = !lesson;
   if (!lesson) return;
-  const title = page.view.lessons.find((one) => one.name === lesson)?.title ?? "";
+  const title = view.lessons.find((one) => one.name === lesson)?.title ?? "";
   const line = (key, words) => { const row = make("p"); row.append(make("b", `${text(key)} `), words); return row; };
   box.className = checks ? "" : result;
   box.replaceChildren(make("strong", text(`page.lesson_${checks ? "checks" : result || "not_judged"}`, { title })));
@@ -60,7 +59,7 @@ function showCheck({ lesson, checks, result, asked, found, means, picture }) {
 
 // Offers the blocks of the lesson in its tab, and all blocks in the other one; a lesson has a program of its own.
 function offer() {
-  const name = opens() && page.view.lessons ? chosen().name : "";
+  const name = opens() && view.lessons ? chosen().name : "";
   if (name === offered) return;
   offered = name;
   if (name) openLesson(name, chosen().blocks);
@@ -74,10 +73,9 @@ export const LESSONS = {
 };
 
 // What the button Run asks for besides its program.
-export const asLesson = () => (opens() && page.view.lessons ? { do: "check_program", lesson: chosen().name } : {});
+export const asLesson = () => (opens() && view.lessons ? { do: "check_program", lesson: chosen().name } : {});
 
-export function connectLessons(functions) {
-  page = functions;
+export function connectLessons() {
   onTab("lessons", () => { byId("blocks").classList.add("task"); show(); offer(); });
   onTab("blocks", offer);
   byId("lesson-list").onchange = (event) => {

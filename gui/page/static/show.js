@@ -1,5 +1,7 @@
 // Photo and film of the head, which the browser makes from what it draws, and the button that shows them to the class.
 import { changed } from "./head.js";
+import { byId } from "./parts.js";
+import { text, token, view } from "./view.js";
 
 const FILM_MS = 10000, LONGEST_MS = 60000; // a film ends after ten seconds, later while the robot moves, or after a minute
 const FRAME_MS = 40;
@@ -8,16 +10,14 @@ const BYTES_MAX = 5e6; // as in gallery.py
 const KINDS = ["video/mp4;codecs=avc1.42E01E", "video/webm", "video/mp4"]; // phones send MP4 to each other
 const SIZES = { photo: [960, 780], film: [640, 520] }; // px; the last thirteenth is for name and date
 
-const byId = (id) => document.getElementById(id);
 const bodies = byId("bodies");
 const kind = KINDS.find((one) => window.MediaRecorder?.isTypeSupported(one));
 const colours = getComputedStyle(document.documentElement);
-let page = null; // { text, view, token }
 let film = null; // { recorder, pen, began, timer }
 let photo = null; // the pen of a photo that is taken of the next picture
 let shot = null; // { file, name }
 
-const name = () => page.view.you.name || page.view.you.seat || page.view.robot;
+const name = () => view.you.name || view.you.seat || view.robot;
 const today = () => new Date().toLocaleDateString("sv"); // 2026-11-30
 
 function penOf([width, height]) {
@@ -63,7 +63,7 @@ function beginFilm() {
 
 function tick() {
   const lasts = performance.now() - film.began;
-  if (document.hidden || lasts > LONGEST_MS || (lasts > FILM_MS && !page.view.you.moves)) return endFilm();
+  if (document.hidden || lasts > LONGEST_MS || (lasts > FILM_MS && !view.you.moves)) return endFilm();
   byId("film").textContent = `■ 0:${String(Math.floor(lasts / 1000)).padStart(2, "0")}`;
   changed();
 }
@@ -72,7 +72,7 @@ function endFilm() {
   clearInterval(film.timer);
   if (film.recorder.state !== "inactive") film.recorder.stop();
   film = null;
-  byId("film").textContent = page.text("picture.film");
+  byId("film").textContent = text("picture.film");
 }
 
 // Shows a photo or film in place of the head, until it is closed.
@@ -83,7 +83,7 @@ function present(file, ending) {
   Object.assign(shown, { src: source, alt: shot.name, loop: true, muted: true, autoplay: true, playsInline: true });
   byId("shot-picture").replaceChildren(shown);
   Object.assign(byId("shot-save"), { href: source, download: shot.name });
-  byId("shot-show").hidden = !page.view.you.name; // only a class has a gallery
+  byId("shot-show").hidden = !view.you.name; // only a class has a gallery
   byId("shot-note").textContent = "";
   byId("shot").hidden = false;
 }
@@ -97,17 +97,16 @@ function close() {
 async function showClass() {
   byId("shot-show").disabled = true;
   const shown = shot;
-  const request = { method: "POST", headers: { "X-XSRFToken": page.token }, body: shot.file };
+  const request = { method: "POST", headers: { "X-XSRFToken": token }, body: shot.file };
   const reply = shot.file.size <= BYTES_MAX && await fetch("/gallery", request).catch(() => null);
   const key = reply ? await reply.text() : reply === false ? "page.show_large" : "";
   byId("shot-show").disabled = false;
   if (shot !== shown) return; // another picture is open now
-  byId("shot-note").textContent = page.text(key) || page.text("page.show_failed");
+  byId("shot-note").textContent = text(key) || text("page.show_failed");
   byId("shot-show").hidden = key === "page.shown";
 }
 
-export function connectShow(own) {
-  page = own;
+export function connectShow() {
   byId("photo").onclick = () => { photo = penOf(SIZES.photo); changed(); };
   byId("film").hidden = !kind;
   byId("film").onclick = () => (film ? endFilm() : beginFilm());
