@@ -1,4 +1,4 @@
-"""What all pages share: the link that watches all robots, one driver for each seat, STOP, pictures.
+"""What all pages share: the link that watches all robots, and one driver for each seat.
 
 The methods of `Hub` run on the thread of the server's loop.
 """
@@ -8,35 +8,29 @@ from __future__ import annotations
 import asyncio
 import threading
 import time
-from collections import deque
-from collections.abc import Callable, Hashable
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Final
 
 from beatrix_zenoh import threads
-from beatrix_zenoh.client import CameraImage, Client
-from beatrix_zenoh.client.session import Place
-from beatrix_zenoh.client.stopping import StopSender
-from beatrix_zenoh.client.twin import Twin
+from beatrix_zenoh.client import Client
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Positions, Source
 from beatrix_zenoh.settings import Settings
 from gui.console.link import Link
-from gui.console.link.connection import Session
 from gui.console.link.governing import robots_online
 from gui.console.link.jobs import Jobs
-from gui.console.link.pictures import CameraStream, Watcher
-from gui.console.link.stopping import send_stop
-from gui.console.state.actions import ChooseRobot, SendStop
+from gui.console.state.actions import ChooseRobot
 from gui.console.state.arms import Steer
 from gui.console.state.gestures import RunExample
-from gui.console.state.intents import Stop
+from gui.page.eyes import Eyes
 from gui.page.face import Driver, Face
 from gui.page.lessons_face import Lessons
 from gui.page.poses import Poses
 from gui.page.protection import Login
 from gui.page.shelf import Desk, Shelf
+from gui.page.stops import Stops
 
 DEAD_MAN_S: Final = 0.4
 """Longest time without a heartbeat of the page; then a moving robot is stopped. Pages send ten heartbeats a second."""
@@ -46,13 +40,8 @@ OVERRIDE_S: Final = 1.0
 """Time at rest after which the stick of a teacher gives the robot back (s)."""
 PROGRAMS_MAX: Final = 4
 """Largest number of pages for which *Follow* or *Listen* runs: each is a process of its own on this computer."""
-STOPS_KEPT: Final = 1024
 CLOSE_S: Final = 3.5
 """Time for links and subscriptions to close."""
-
-Camera = tuple[str, str, str]
-"""Robot, side and eye."""
-OnPicture = Callable[[Camera, CameraImage], None]
 
 
 class Hub:
@@ -75,18 +64,11 @@ class Hub:
         self._link = Link(settings, lambda _: None, lambda _, __: None, source=Source.PAGE)
         self.pages: set[Face] = set()
         self.poses = Poses(self._positions)
-        self._stop_sender = StopSender("web")
-        self._stops: deque[tuple[str, str]] = deque(maxlen=STOPS_KEPT)
-        """the newest STOPs, by browser and number: a page sends each STOP over two connections"""
         self._jobs = Jobs("web")
         self._closing: list[threading.Thread] = []
         """threads that close the links of pages"""
-        self._viewers: dict[Hashable, tuple[list[Camera], OnPicture]] = {}
-        """what web sockets for pictures show, and the function that takes their pictures"""
-        self._cameras = Watcher[Camera, CameraStream](
-            "cameras", self._jobs, lambda: self._link.session, self._begin_camera
-        )
-        self._watch_cameras()
+        self.stops = Stops(lambda: self._link.session, login, self.pages, call)
+        self.eyes = Eyes(lambda: self._link.session, self._jobs, call)
         self._link.world()  # looks for the router, and for gestures before a page shows them
 
     # -- views ---------------------------------------------------------------------------------------
@@ -116,7 +98,7 @@ class Hub:
         robot = next(iter(self.robots(visitor)), self.settings.robot)
         desk = Desk(self._shelf, visitor, teacher=visitor == names.TEACHER)
         lessons = Lessons(self._shelf.folder.parent / "progress" / visitor, self._call)
-        face = Face(self._link.world(robot), visitor, send, close, self._stop, desk, lessons)
+        face = Face(self._link.world(robot), visitor, send, close, self.stops.of_page, desk, lessons)
         face.valid, face.shown = valid, self.login.shown(visitor)
         face.shows_class = visitor == names.TEACHER
         account = self.login.account(visitor)
@@ -266,81 +248,14 @@ class Hub:
                 face.stop_moving()
                 face.notify("page.silent")
 
-    # -- STOP ----------------------------------------------------------------------------------------
-
-    def _stop(self, face: Face, action: SendStop) -> bool:
-        """Send STOP of a page through the session that watches; return whether there is one."""
-        session = self._link.session
-        if session is not None:
-            client = self._as(face.visitor, session.client)
-            session = replace(session, client=client, twin=Twin(face.robot, client=client))
-            send_stop(self._stop_sender, action, session, partial(self._call, face.report))
-        return session is not None
-
-    def stop(self, visitor: str, robot: str, stop: str, page: Face | None = None) -> None:
-        """Send STOP to simulation and hardware of a name, for any page; ignore it if its number `stop` came before.
-
-        Other pages that drive this robot drop what waits to be sent. If `page` does not show the robot, one of this
-        browser that does reports the outcome; without such a page, no page does.
-        """
-        if not names.PATTERN.fullmatch(robot) or (visitor, stop) in self._stops:
-            return
-        self._stops.append((visitor, stop))
-        own = [one for one in self.pages if one.visitor == visitor and one.robot == robot]
-        page = page if page in own else next(iter(sorted(own, key=lambda one: one.driver is None)), None)
-        for other in self.pages:
-            if other is not page and other.robot == robot and other.driver is not None:
-                other.driver.link.drop()
-        session = self._link.session
-        if page is not None:
-            page.carry_out(Stop())
-        elif session is not None:
-            self._stop_sender.send([self._as(visitor, session.client)], [(robot, "*")], lambda _: None)
-
-    def _as(self, visitor: str, client: Client) -> Client:
-        """Return the session for STOP of a browser: in a class under its seat."""
-        return client.under(visitor) if self.login.shown(visitor) else client
-
-    # -- pictures ------------------------------------------------------------------------------------
-
-    def start_pictures(
-        self, viewer: Hashable, visitor: str, place: Place, show: OnPicture, *, both: bool = True
-    ) -> list[Camera]:
-        """Begin to send pictures of the left eye or both to a web socket, and return their cameras.
-
-        Cameras work only while a page shows them.
-        """
-        session, cameras = self._link.session, [(*place, eye) for eye in names.EYES[: 1 + both]]
-        if session is None or place not in session.monitor.present() or place[0] not in self.robots(visitor):
-            return []
-        self._viewers[viewer] = cameras, show
-        self._watch_cameras()
-        return cameras
-
-    def end_pictures(self, viewer: Hashable) -> None:
-        """Send no more pictures to a web socket; end subscriptions that no other one needs."""
-        self._viewers.pop(viewer, None)
-        self._watch_cameras()
-
-    def _watch_cameras(self) -> None:
-        self._cameras.watch(frozenset(camera for cameras, _ in self._viewers.values() for camera in cameras))
-
-    def _begin_camera(self, session: Session, camera: Camera) -> CameraStream:
-        return CameraStream(session.client, camera, lambda _, image: self._call(self._picture, camera, image))
-
-    def _picture(self, camera: Camera, image: CameraImage) -> None:
-        for cameras, show in list(self._viewers.values()):
-            if camera in cameras:
-                show(camera, image)
-
     def close(self) -> None:
         """Stop the robots that pages move, and end all sessions and threads."""
         for face in list(self.pages):
             self.remove(face)
-        for part in (self._cameras, self._stop_sender, self._jobs):
+        for part in (self.eyes, self.stops, self._jobs):
             part.close()
         deadline_s = time.monotonic() + CLOSE_S
-        self._stop_sender.join(deadline_s)
+        self.stops.join(deadline_s)
         self._jobs.join(deadline_s)
         for thread in self._closing:
             thread.join(max(0.0, deadline_s - time.monotonic()))

@@ -18,11 +18,12 @@ from beatrix_zenoh.contract.errors import bad_value
 from beatrix_zenoh.settings import Settings
 from beatrix_zenoh.shutdown import Shutdown
 from gui.page.gallery import Gallery, GalleryList, GalleryPicture
-from gui.page.handlers import Context, Front, Live, Nothing, Pictures, Projector, StaticFiles, Stopper
+from gui.page.handlers import Context, Front, Nothing, Projector, StaticFiles, Stopper
 from gui.page.hub import Hub
 from gui.page.mesh import HeadMesh
 from gui.page.protection import Login
 from gui.page.shelf import Shelf
+from gui.page.sockets import Live, Pictures
 from gui.page.static_files import STATIC, StaticFolder
 
 CONNECTIONS_MAX: Final = 192

@@ -17,8 +17,8 @@ from beatrix_zenoh import Robot
 from beatrix_zenoh import class_words as words
 from beatrix_zenoh.client import lesson_reports
 from gui.page import hub
-from gui.page.handlers import MALFORMED
 from gui.page.seats import WRONG_MAX, Seats
+from gui.page.sockets import MALFORMED
 
 
 @pytest.fixture(scope="module")

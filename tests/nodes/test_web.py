@@ -14,7 +14,7 @@ from web_client import WebClient, WebSocket, online, serving
 
 from beatrix_zenoh import Robot
 from beatrix_zenoh.contract._generated.messages import Command, Source
-from gui.page.handlers import MESSAGES_MAX
+from gui.page.sockets import MESSAGES_MAX
 
 NAMES = itertools.count(1)
 SPEED_DEG_S = 20.0

@@ -24,11 +24,11 @@ from gui.console.state.missions import STEPS, TASKS, CloseGuide, ResumeGuide, Sk
 from gui.console.state.world import World
 from gui.page import messages, protection, server
 from gui.page.face import Driver, Face
-from gui.page.handlers import MALFORMED
 from gui.page.hub import PROGRAMS_MAX, Hub
 from gui.page.lessons_face import Lessons
 from gui.page.protection import PinLogin
 from gui.page.shelf import Desk, Shelf
+from gui.page.sockets import MALFORMED
 from gui.page.static_files import STATIC
 
 DESK = Desk(Shelf(Path("nowhere")), "guest-1")
