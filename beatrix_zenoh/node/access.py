@@ -28,7 +28,10 @@ from beatrix_zenoh.contract import refusals
 from beatrix_zenoh.contract._generated.messages import Detail, Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import OLD_PROGRAMS, TEACHER
-from beatrix_zenoh.node.callers import NO_CALLER, Caller, KnownSessions, Pauses, RobotLease
+from beatrix_zenoh.node.callers import NO_CALLER, Caller
+from beatrix_zenoh.node.known_sessions import KnownSessions
+from beatrix_zenoh.node.leases import RobotLease
+from beatrix_zenoh.node.pauses import Pauses
 
 TEXT_SESSION = "text-port"
 """Used as the session of programs of 2023, which have no Zenoh session."""

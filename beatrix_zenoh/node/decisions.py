@@ -14,9 +14,9 @@ from beatrix_zenoh.bus import Sessions
 from beatrix_zenoh.contract import names
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, WrongUsage, wrong_usage
-from beatrix_zenoh.node.callers import LONGEST_TURN_S, SHORTEST_TURN_S, TURN_S
 from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.interfaces import Component, StatusFields
+from beatrix_zenoh.node.leases import LONGEST_TURN_S, SHORTEST_TURN_S, TURN_S
 
 LONGEST: Final = 64 * 1024
 """Largest size of the file (bytes)."""

@@ -23,9 +23,10 @@ from beatrix_zenoh.contract._generated.messages import (
 )
 from beatrix_zenoh.contract.errors import BeatrixError, Refused, wrong_usage
 from beatrix_zenoh.node.access import Access, Operation
-from beatrix_zenoh.node.callers import LONGEST_TURN_S, NO_TERMS, SHORTEST_TURN_S, TURN_S, Caller, Terms
+from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.controller import MotionController, StopCause
 from beatrix_zenoh.node.interfaces import Component, StatusFields
+from beatrix_zenoh.node.leases import LONGEST_TURN_S, NO_TERMS, SHORTEST_TURN_S, TURN_S, Terms
 from beatrix_zenoh.node.requests import RequestHandle, Requests, check_own_key
 
 OF_SEATS: Final = (LeaseAction.TAKE, LeaseAction.WAIT, LeaseAction.GIVE_BACK)

@@ -9,10 +9,11 @@ from beatrix_zenoh.bus import Bus, Sessions
 from beatrix_zenoh.contract._generated import keys
 from beatrix_zenoh.contract._generated.messages import EventKind, Reason
 from beatrix_zenoh.contract.errors import NoAnswer, Refused
-from beatrix_zenoh.node.callers import RETURN_S, SETTLE_S, Caller
+from beatrix_zenoh.node.callers import Caller
 from beatrix_zenoh.node.controller import MotionController
 from beatrix_zenoh.node.events import new_event
 from beatrix_zenoh.node.interfaces import Component
+from beatrix_zenoh.node.known_sessions import RETURN_S, SETTLE_S
 from beatrix_zenoh.node.requests import Requests
 
 

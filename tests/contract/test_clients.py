@@ -14,7 +14,7 @@ from beatrix_zenoh.client.stopping import publish_stop
 from beatrix_zenoh.contract import codec
 from beatrix_zenoh.contract._generated.messages import CommandReply, Positions, Reason
 from beatrix_zenoh.motion.gear import Gear
-from beatrix_zenoh.node.callers import QUIET_S
+from beatrix_zenoh.node.pauses import QUIET_S
 
 pytestmark = pytest.mark.bodies("in-process")  # the node alone decides about access
 FLOOD_S = 40.0

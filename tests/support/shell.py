@@ -22,7 +22,7 @@ from robots import ROOT, Process, free_endpoint, until, untraced
 from beatrix_zenoh import Robot
 from beatrix_zenoh.cli import app
 from beatrix_zenoh.contract._generated.messages import EventKind
-from beatrix_zenoh.node.callers import QUIET_S
+from beatrix_zenoh.node.pauses import QUIET_S
 from beatrix_zenoh.shutdown import SIGNALS
 
 CLI = ("-m", "beatrix_zenoh.cli")

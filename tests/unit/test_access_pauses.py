@@ -8,7 +8,8 @@ from access_callers import ANA, ANA_AGAIN, BEN, BOSS, NO_SESSION, OLD, begin_mot
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.node.access import Access, Operation
-from beatrix_zenoh.node.callers import LOOP_S, NO_CALLER, QUIET_OLD_PROGRAM_S, QUIET_S, Caller
+from beatrix_zenoh.node.callers import NO_CALLER, Caller
+from beatrix_zenoh.node.pauses import LOOP_S, QUIET_OLD_PROGRAM_S, QUIET_S
 
 
 @pytest.fixture

@@ -7,8 +7,9 @@ from access_callers import ANA, BEN, CLEO, begin_motion, refusal
 
 from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.node.access import Access, Operation
-from beatrix_zenoh.node.callers import IDLE_S, RETURN_S, SETTLE_S
+from beatrix_zenoh.node.known_sessions import RETURN_S, SETTLE_S
 from beatrix_zenoh.node.lease_queries import standing, take
+from beatrix_zenoh.node.leases import IDLE_S
 
 LOST_S, BACK_S = 10.0, 20.0
 NOTICED_S = 0.001

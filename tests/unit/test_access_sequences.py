@@ -13,8 +13,11 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.node.access import Access, Operation
-from beatrix_zenoh.node.callers import QUIET_OLD_PROGRAM_S, QUIET_S, RETURN_S, TURN_S, Caller
+from beatrix_zenoh.node.callers import Caller
+from beatrix_zenoh.node.known_sessions import RETURN_S
 from beatrix_zenoh.node.lease_queries import mute, standing, take
+from beatrix_zenoh.node.leases import TURN_S
+from beatrix_zenoh.node.pauses import QUIET_OLD_PROGRAM_S, QUIET_S
 
 # Counting coverage triples the time of these tests; test_access.py covers the same code.
 pytestmark = pytest.mark.no_cover

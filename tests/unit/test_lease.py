@@ -9,8 +9,10 @@ from beatrix_zenoh.contract._generated.messages import Reason
 from beatrix_zenoh.contract.errors import Refused
 from beatrix_zenoh.contract.names import TEACHER
 from beatrix_zenoh.node.access import Access, Operation
-from beatrix_zenoh.node.callers import IDLE_S, SETTLE_S, TURN_S, WAITING_MAX, Caller, Terms
+from beatrix_zenoh.node.callers import Caller
+from beatrix_zenoh.node.known_sessions import SETTLE_S
 from beatrix_zenoh.node.lease_queries import standing, take
+from beatrix_zenoh.node.leases import IDLE_S, TURN_S, WAITING_MAX, Terms
 
 
 @pytest.fixture
