@@ -80,8 +80,8 @@ def test_events_show_when_the_microphones_are_on_and_off(robot: Robot, device: F
 
 def test_a_fault_of_a_device_is_shown_until_it_delivers_again(robot: Robot, device: FakeDevice) -> None:
     """The fault must not disappear with each attempt to open the device, and a mistake does not end the node."""
-    with robot.microphones() as sound:
-        device.error = NoAnswer(Reason.FAULT, "It is used by another program.")
+    device.error = NoAnswer(Reason.FAULT, "It is used by another program.")
+    with robot.microphones() as sound:  # which has no block from before the fault
         until(lambda: device.opened >= 3, "it is tried again")
         assert trouble(robot) == "It is used by another program."
         device.error = KeyError("a mistake")
