@@ -23,7 +23,6 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -239,7 +238,6 @@ class Processes:
     def __init__(self, soak: Soak, folder: Path) -> None:
         self._folder, self._soak = folder, soak
         self.served: dict[str, Served] = {}
-        self._stack = ExitStack()
 
     def start(self) -> None:
         """Start all, and wait until they are ready."""
@@ -262,8 +260,8 @@ class Processes:
         }
 
     def _begin(self, name: str, module: str, *words: str) -> None:
-        errors = self._stack.enter_context((self._folder / f"{name}.log").open("a", encoding="utf-8"))
-        self.served[name] = Logged(module, *words, errors=errors)
+        with (self._folder / f"{name}.log").open("a", encoding="utf-8") as errors:  # the process has it, too
+            self.served[name] = Logged(module, *words, errors=errors)
 
     def restart_router(self) -> None:
         """End the router, and start it again at the same address."""
@@ -283,7 +281,6 @@ class Processes:
             except Exception as error:  # noqa: BLE001 - the others must end, too
                 self._soak.faults.append(f"{name} did not end: {error}")
                 os.kill(one.pid, signal.SIGKILL)
-        self._stack.close()
         for log in sorted(self._folder.glob("*.log")):
             text = log.read_text(encoding="utf-8", errors="replace")
             if "Traceback" in text or "panicked" in text:
