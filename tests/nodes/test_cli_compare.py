@@ -43,12 +43,10 @@ def test_a_replay_with_a_lead_is_compared_live_and_from_its_recording(
     output, _ = compare.communicate(timeout=END_S)
     live = json.loads(output.splitlines()[-1])
     assert compare.returncode == 1, output
-    if live["lag_s"] is None:
-        pytest.skip("this computer is too busy")
     assert live["lag_s"] == pytest.approx(0.0, abs=0.1), "without the lead"
     assert live["leads"][0].startswith("Lead of 0.3 s, ")
     (exceeded,) = live["exceeded"]
-    assert exceeded.startswith(("The lag is ", "At most 0 s of lag is allowed, but the lag is not known: "))
+    assert exceeded.startswith("The lag is ")
     assert [robot["missed_steps"] for robot in live["robots"]] == [0, None]
     with Image.open(png) as picture:
         assert picture.width == 1500
