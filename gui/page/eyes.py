@@ -31,7 +31,7 @@ class Eyes:
         self._viewers: dict[Hashable, tuple[list[Camera], OnPicture]] = {}
         """what each web socket shows, and the function that takes its pictures"""
         self._cameras = Watcher[Camera, CameraStream]("cameras", jobs, session, self._begin)
-        self._watch()
+        self._watch()  # starts the thread of these jobs, which ends with the server
 
     def start(self, viewer: Hashable, place: Place, show: OnPicture, *, both: bool = True) -> list[Camera]:
         """Begin to send pictures of the left eye or both, and return their cameras; none if the robot is not online."""

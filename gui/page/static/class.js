@@ -1,8 +1,8 @@
 // The page for a projector: whose turn it is at each robot. It sends no request to a robot.
 import { connect, send, trouble } from "./connection.js";
 import { connectGallery, look } from "./gallery.js";
+import { byId } from "./parts.js";
 
-const byId = (id) => document.getElementById(id);
 const READY = ["ready", "moving"]; // conditions in which a robot can move
 const COLUMNS = [2, 8, 15, 24]; // largest number of robots in one column, in two, and so on; then in one more
 const shown = { texts: {}, class: [] }; // the last view

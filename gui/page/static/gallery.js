@@ -1,8 +1,9 @@
 // The gallery of the class on the page for a projector: photos and films that pupils have shown, the newest first.
+import { byId } from "./parts.js";
+import { token } from "./view.js";
+
 const LOOK_MS = 5000;
 const SHOWN = 24; // as many as a tablet can hold
-const byId = (id) => document.getElementById(id);
-const token = document.querySelector("meta[name=token]").content;
 const items = new Map(); // by path
 let texts = {}; // what holds the texts of the page
 let teacher = false, looking = false, timer = 0;

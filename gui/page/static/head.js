@@ -2,7 +2,7 @@
 import { aim, grab, releaseHead, targetNow } from "./aim.js";
 import { dragged, furthest, leans, onHead, orientations, picked, rotationOf, screenOf } from "./body.js";
 import { flat, webgl } from "./paint.js";
-import { set } from "./parts.js";
+import { byId, set } from "./parts.js";
 import { text, view } from "./view.js";
 
 const SIDES = ["sim", "hw"]; // by the number in a message of a pose
@@ -17,7 +17,7 @@ const SLOW_MS = 24; // time from the request of a picture to its end after which
 const REST_MS = 250;
 const ORBIT_DEG = 0.5; // turn of the camera for a pixel
 
-const canvas = document.getElementById("bodies"), marks = document.getElementById("marks");
+const canvas = byId("bodies"), marks = byId("marks");
 const colours = getComputedStyle(document.documentElement);
 const colour = (name) => colours.getPropertyValue(`--${name}`).trim();
 const parts = (name) => [1, 3, 5].map((at) => parseInt(colour(name).slice(at, at + 2), 16));
@@ -45,7 +45,7 @@ export async function connectHead(whenDrawn) {
     const { clientX, clientY } = event.touches[0];
     if (part({ clientX, clientY, pointerType: "touch" })) event.preventDefault();
   }, { passive: false });
-  document.getElementById("around").onclick = () => {
+  byId("around").onclick = () => {
     Object.assign(camera, { azimuth: seenFromFront() ? 180 : 0, elevation: 12 });
     showAround();
     changed();
@@ -61,7 +61,7 @@ function hasGraphicsChip() {
 export const seenFromFront = () => Math.cos(camera.azimuth / DEG) > 0;
 
 export function showAround() {
-  set(document.getElementById("around"), text(seenFromFront() ? "page.from_behind" : "page.from_front"));
+  set(byId("around"), text(seenFromFront() ? "page.from_behind" : "page.from_front"));
 }
 
 export function receivePose(data) {

@@ -22,9 +22,10 @@ export function pressButton(button) {
   else held = null; // the server has replied with a sentence
 }
 
-// Releases the button that is held, or `only` this one.
-export function releaseButton(only = held) {
-  if (!held || only !== held) return;
+export const holds = (button) => held === button;
+
+export function releaseButton() {
+  if (!held) return;
   held.classList.remove("held");
   held = null;
   send({ do: "ReleaseArm" });
@@ -40,12 +41,12 @@ export function jogButton(part, sign) {
     button.setPointerCapture(event.pointerId); // so that the release arrives even outside the button
     pressButton(button);
   };
-  button.onpointerup = button.onpointercancel = button.onlostpointercapture = () => releaseButton();
+  button.onpointerup = button.onpointercancel = button.onlostpointercapture = releaseButton;
   button.oncontextmenu = (event) => event.preventDefault();
   return button;
 }
 
 export function connectHold() {
-  addEventListener("blur", () => releaseButton());
+  addEventListener("blur", releaseButton);
   setInterval(beat, BEAT_MS);
 }

@@ -1,5 +1,5 @@
 // Keys: Escape and the space bar are STOP; arrows and letters turn the head while they are held.
-import { pressButton, releaseButton } from "./hold.js";
+import { holds, pressButton, releaseButton } from "./hold.js";
 import { byId } from "./parts.js";
 import { stop } from "./stop.js";
 
@@ -19,8 +19,7 @@ function handle(event) {
   const button = named ?? (event.key === "Enter" && event.target.dataset?.part ? event.target : null);
   if (!button) return;
   event.preventDefault();
-  if (event.type === "keyup") releaseButton(button);
-  else if (!event.repeat) pressButton(button);
+  if (event.type === "keyup") { if (holds(button)) releaseButton(); } else if (!event.repeat) pressButton(button);
 }
 
 export function connectKeys() {
